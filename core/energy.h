@@ -1,4 +1,4 @@
-// Energies of a state, J: for tests, studies and the trace. The step does not need them.
+// Energies of a state, J, for tests, studies and the trace. The step does not need them.
 #pragma once
 
 #include "core/body/coupling.h"
@@ -6,12 +6,12 @@
 
 namespace godobject {
 
-/// Kinetic energy of a body.
+/// Returns the kinetic energy of a body, J.
 inline Real kinetic_energy(const RigidBodyParams& par, const RigidBodyState& x) noexcept {
   return Real(0.5) * (par.m * x.v_W.squaredNorm() + x.w_B.dot(par.I_B * x.w_B));
 }
 
-/// The coupling of a body at the end of the last step.
+/// State of a body's coupling at the end of the last step.
 struct CouplingAt {
   SpringParams spring;  // during the ramp
   Wrench F_WB;          // (2)

@@ -1,11 +1,11 @@
-// The balance of energy of a scene: what it has, what the device and led joints have done on it, and whether it has gained
-// more than that. The step does not need it; who runs one asks it after each step, since a scene that gains energy has
-// left what it simulates.
+// Energy balance of a scene: total energy E, work W done by devices and prescribed joints, and a check that E
+// - W does not increase. Callers run it after each step; the step itself does not need it. An increase
+// without external work means that the simulation is no longer valid.
 //
-//   (38)  E - W falls:  E = motion, gravity, springs (coupling, contacts, stops, terms);  W = work done from outside
+//   (38)  E - W falls:  E = motion, gravity, springs (coupling, contacts, stops, terms);  W = external work
 //
-// Dampers, friction and the integrators only take. W is bounded from above: of what a coupling does, by its target that
-// moves before the body does, or by the mean of its forces, whichever is more.
+// Dampers, friction and the integrators only dissipate. W is bounded from above. The work of a coupling is
+// that of its target moving before the body, or of the mean of its forces: the greater one.
 #pragma once
 
 #include <utility>
@@ -16,7 +16,7 @@
 
 namespace godobject {
 
-/// Energy in the spring of a stop (19), J.
+/// Returns the energy in the spring of a stop (19), J.
 inline Real stop_energy(const StopParams& par, Real q) noexcept {
   const Real d = std::max(par.lower - q, Real(0)) + std::max(q - par.upper, Real(0));
   const Real s = std::min(d, par.width);
@@ -24,11 +24,11 @@ inline Real stop_energy(const StopParams& par, Real q) noexcept {
   return par.k * (s * s * s / (6 * par.width) + (d - s) * d / 2);
 }
 
-/// The balance of a scene. Not a part of it: the step knows nothing of it.
+/// Accumulates the energy balance of a scene outside the step.
 template <Scene S>
 class EnergyBalance {
  public:
-  /// Before the first step.
+  /// Starts the balance with the state before the first step.
   void start(const Params<S>& par, const State<S>& x) noexcept {
     *this = {};
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
@@ -40,7 +40,7 @@ class EnergyBalance {
     watch_.start(energy_);
   }
 
-  /// After each step that was taken: of its state, scratch and output.
+  /// Updates the balance after a step that was taken, from its state, scratch and output.
   void observe(const Params<S>& par, const State<S>& x, const Scratch<S>& w, const Output<S>& out) noexcept {
     const Real T = kinetic(par, x), gravity = gravity_energy(par, x), of_nets = net_springs(par, x);
     Real U = gravity + (other_springs(par, x) + of_nets), W = 0,
@@ -58,7 +58,7 @@ class EnergyBalance {
         // implicit Euler moves by the force at the end, TR-BDF2 by those of the whole step
         W += par.h * (S::Integrator::order == 1 ? power : std::max(power, Real(0.5) * (power + before)));
       }
-      if constexpr (imposes<S>) W += joint_work(par, x, i);
+      if constexpr (prescribes<S>) W += joint_work(par, x, i);
     }
     Real may_give = 0;  // that is not known of this step, at most
     if constexpr (uses<ContactsOf<S>>) {
@@ -68,8 +68,8 @@ class EnergyBalance {
       W += out.contacts.found;
       if (!is_of_euler_stages(out)) may_give = springs.may_find;
     }
-    if constexpr (imposes<S>) {
-      if (rises_to_lead(par, out)) may_give = std::numeric_limits<Real>::infinity();
+    if constexpr (prescribes<S>) {
+      if (is_ramping_to_prescribed(par, out)) may_give = std::numeric_limits<Real>::infinity();
     }
     W += std::clamp(T + U - W - energy_, Real(0), may_give);
     const Real by_gravity = gravity - gravity_;
@@ -84,10 +84,10 @@ class EnergyBalance {
   Real energy() const noexcept { return energy_; }           // E, J
   Real balance() const noexcept { return energy_ - work_; }  // E - W, J
   const GainWatch& watch() const noexcept { return watch_; }
-  /// A gain that nobody gave.
+  /// True if the energy has increased without external work, beyond the tolerance.
   bool gains() const noexcept { return watch_.gains(); }
 
-  /// Energy in all springs but those of couplings and contacts, J.
+  /// Returns the energy of all springs except those of couplings and contacts, J.
   static Real springs(const Params<S>& par, const State<S>& x) noexcept {
     return other_springs(par, x) + net_springs(par, x);
   }
@@ -103,7 +103,7 @@ class EnergyBalance {
   }
 
  private:
-  /// A body with its coupling at the end of a step.
+  /// A body and its coupling at the end of a step.
   struct Coupled : CouplingAt {
     bool pulls = false;  // it has a coupling
     Pose X_WB;
@@ -120,14 +120,14 @@ class EnergyBalance {
     return {};
   }
 
-  /// Energy in the springs of nets, J.
+  /// Returns the energy in the springs of nets, J.
   static Real net_springs([[maybe_unused]] const Params<S>& par,
                           [[maybe_unused]] const State<S>& x) noexcept {
     if constexpr (uses<NetOf<S>>) return net_spring_energy(par, x);
     return 0;
   }
 
-  /// Energy of stops and terms, J.
+  /// Returns the energy of stops and terms, J.
   static Real other_springs(const Params<S>& par, const State<S>& x) noexcept {
     Real U = 0;
     if constexpr (uses<typename S::Joints>) {
@@ -146,7 +146,7 @@ class EnergyBalance {
     return -par.gravity_W.dot(mp_W);
   }
 
-  /// Work of the coupling's target, and of the ramp, J.
+  /// Returns the work of the coupling's target and of the ramp, J.
   Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, std::size_t i,
                      const Coupled& now) const noexcept {
     if constexpr (uses<typename S::Coupling>) {
@@ -155,7 +155,7 @@ class EnergyBalance {
       const Coupled& last = last_[i];
       const SpringParams& spring = now.spring;
       const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
-      // first the target moves, then the body: its damper by the target's velocity, or by that with which it came
+      // target first, then body: damper work at the target's velocity, or at the previous one
       const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
       const Vec3 e_W = D.X_WD.p - last.X_WB.p;
       const Vec3 moved = D.X_WD.p - last.target.X_WD.p;
@@ -194,23 +194,25 @@ class EnergyBalance {
     return E;
   }
 
-  /// TR-BDF2 leads joints whose coordinates rise to those of the device: by its forces at the end of a step, which swing then,
-  /// their work is not known.
-  static bool rises_to_lead(const Params<S>& par, const Output<S>& out) noexcept {
+  /// True while TR-BDF2 ramps prescribed coordinates towards the device's. The work is unknown then, because
+  /// the forces at the end of a step oscillate.
+  static bool is_ramping_to_prescribed(const Params<S>& par, const Output<S>& out) noexcept {
     if (S::Integrator::order == 1 || !has(out.limited, Limited::ramp)) return false;
     for (std::size_t i = 0; i < num_bodies(par); ++i)
-      if (par.bodies[i].joint.lead.imposed) return true;
+      if (par.bodies[i].joint.motion.prescribed) return true;
     return false;
   }
 
-  /// Work of a joint that the device leads, J: its power at the end, by which implicit Euler moves, or the mean over the step.
+  /// Returns the work of a prescribed joint, J: from the power at the end of the step (implicit Euler) or its
+  /// mean over the step.
   Real joint_work(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
     const auto& joint = par.bodies[i].joint;
-    if (joint.kind == JointKind::free || !joint.lead.imposed) return 0;
+    if (joint.kind == JointKind::free || !joint.motion.prescribed) return 0;
     const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
     const Wrench& F = x.bodies[i].joint.F_C;  // of the last stage
     const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
-    const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w), before = std::exchange(led_[i], power);
+    const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w),
+               before = std::exchange(prescribed_power_[i], power);
     return par.h * std::max(power, Real(0.5) * (power + before));
   }
 
@@ -228,15 +230,15 @@ class EnergyBalance {
     return E;
   }
 
-  /// What contact springs hold, J.
+  /// Energy stored in contact springs, J.
   struct Springs {
     Real energy = 0;
     Real may_find = 0;  // (35)  by as much as they may be found deeper in a stage
-    Real floor = 0;     // what they may hold that no motion has pressed
+    Real floor = 0;     // part of it that may be stored without any motion pressing the springs
   };
 
-  /// What its contacts are found with is known of each stage. A step of second order begins its stages elsewhere: there it is no
-  /// more than (35) allows, and is taken for given where E rises.
+  /// True if the report covers every stage of the step. A second-order step begins its stages elsewhere; its
+  /// initial contact energy is bounded by (35) and counts as external where E increases.
   static constexpr bool is_of_euler_stages(const Output<S>& out) noexcept {
     return S::Integrator::order == 1 || has(out.limited, Limited::first_order);
   }
@@ -276,8 +278,8 @@ class EnergyBalance {
 
   std::array<Coupled, S::max_bodies> last_;
   std::array<Real, S::max_bodies> hand_{};  // power of applied forces, W
-  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Real, S::max_bodies>, Absent<23>>
-      led_{};  // W
+  [[no_unique_address]] std::conditional_t<prescribes<S>, std::array<Real, S::max_bodies>, Absent<23>>
+      prescribed_power_{};  // W
   Real energy_ = 0, work_ = 0, gravity_ = 0;
   GainWatch watch_;
 };

@@ -103,11 +103,11 @@ Real work_of_joint([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const
     const Vec3& p_W = x.bodies[i].x.X_WB.p;
     const Real turned = max_turned_back / par.h, moved = max_moved_back / par.h * joint.C.p.norm();
     W += whole.energy(p_W, moved, turned);
-    if constexpr (imposes<S>) {
-      const Lead& lead = w.leads[i];
+    if constexpr (prescribes<S>) {
+      const PrescribedMotion& lead = w.prescribed[i];
       const Real rate =
           (lead.to.q - lead.from.q).norm() / par.h + lead.from.q_dot.norm() + lead.to.q_dot.norm();
-      if (joint.lead.imposed) W += whole.energy(p_W, rate, rate);
+      if (joint.motion.prescribed) W += whole.energy(p_W, rate, rate);
     }
   }
   return W;

@@ -1,26 +1,26 @@
-// What a step reports: faults (something was lost) and limits (something was bounded on purpose).
+// Faults (data or motion was lost) and limits (a quantity was bounded on purpose) that a step reports.
 #pragma once
 
 #include <cstdint>
 
 namespace godobject {
 
-/// Bits; docs/faults.md has a paragraph for each.
+/// Fault bits. docs/faults.md has a paragraph for each.
 enum class Fault : std::uint32_t {
   none = 0,
   input_not_finite = 1u << 0,  // NaN or infinity in an input: the step was not taken
-  // a target quaternion off unit length by more than 1e-6, or an increment of more than half a turn: not taken
+  // target quaternion off unit length by more than 1e-6, or increment above half a turn; sample rejected
   input_not_unit = 1u << 1,
   state_not_finite = 1u << 2,  // the step's result was not finite: it was not committed
   contacts_full = 1u << 3,  // more contacts than max_contacts: the deepest were kept, and the step was taken
-  // contacts couple more pairs of bodies than there are blocks: solved by iteration, and the step was taken
+  // contacts couple more pairs of bodies than there are blocks; solved by iteration, step taken
   blocks_full = 1u << 4,
-  // the scene has gained energy that nobody gave it: reported by whoever watches it (EnergyBalance);
-  // or this step would have gained out of all measure (58), and was not taken: reported by the step
+  // total energy increased without external work (EnergyBalance); or one step raised it beyond (58) and was
+  // not taken
   energy_gained = 1u << 5,
 };
 
-/// Bits: which bound is active in this step.
+/// Limit bits: bounds that were active in this step.
 enum class Limited : std::uint32_t {
   none = 0,
   force = 1u << 0,        // feedback force at its limit

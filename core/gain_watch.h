@@ -1,4 +1,4 @@
-// When a gain of energy is a fault (38): E - W of a scene, step by step.
+// Detection of energy gains that are faults (38), from E - W of each step.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +10,16 @@
 
 namespace godobject {
 
-/// Says when E - W rises. Energy at work: the largest kinetic energy in the window, and the work done in it, by gravity too.
+/// Detects increases of E - W. The energy at work is the largest kinetic energy in the window plus the work
+/// done in it, including gravity's.
 class GainWatch {
  public:
-  /// Before the first step.
+  /// Starts with E before the first step.
   void start(Real E) noexcept {
     *this = {};
     last_.fill(E);
   }
-  /// After each step; work: done in it, floor: no gain, J.
+  /// Adds a step. work: work done in it, J. floor: gains below it are ignored, J.
   void observe(Real E_less_W, Real T, Real work, Real floor, Real h) noexcept {
     age_ += h;
     if (!std::isfinite(E_less_W) || !std::isfinite(T) || !std::isfinite(work) || !std::isfinite(floor)) {

@@ -1,10 +1,6 @@
-// Everything the author of a scene includes.
+// Public header of the core: includes all that the author of a scene needs.
 //
-// The room: scene.h says what a scene is a type of and what it has to store; step.h is the time step, stage.h and
-// solve_stage.h one stage of an integrator, node_stage.h that of particles; integrator_*.h are the two schemes; setup.h
-// checks before the first step; energy.h, energy_balance.h and gain_watch.h watch over it, hash.h and fault.h say what came
-// out; tuning.h has every number that physics does not give. Folders below it depend on each other as
-// docs/architecture.md draws them.
+// Dependencies between the folders: docs/architecture.md.
 #pragma once
 
 #include "core/device/holding.h"

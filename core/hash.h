@@ -1,5 +1,5 @@
-// A hash of the whole state, field by field (padding has no say): equal hashes after equal runs are how
-// determinism is tested.
+// Hash of the whole state, field by field, without padding. Tests of determinism require equal hashes of
+// equal runs.
 #pragma once
 
 #include <bit>
@@ -9,12 +9,12 @@
 #include "core/device/feedback.h"
 #include "core/device/holding.h"
 #include "core/integrator_tr_bdf2.h"
-#include "core/joint/imposed.h"
+#include "core/joint/prescribed.h"
 #include "core/joint/stops.h"
 
 namespace godobject {
 
-/// FNV-1a over 64-bit words.
+/// FNV-1a hash over 64-bit words.
 class Hash {
  public:
   void add(std::uint64_t word) noexcept { value_ = (value_ ^ word) * 0x100000001b3u; }
@@ -43,16 +43,16 @@ class Hash {
   void add(const DeviceState& x) noexcept {
     add(x.last, x.ramp, x.held);
     if (!x.F_WB.f.isZero(0) || !x.F_WB.tau.isZero(0)) add(x.F_WB);
-    if (x.calm == 0) return;  // not after a gap
-    add(x.calm, std::uint64_t{x.again});
+    if (x.recovery == 0) return;  // not after a gap
+    add(x.recovery, std::uint64_t{x.long_gap});
   }
   void add(const HoldingState& x) noexcept { add(static_cast<const DeviceState&>(x), x.X_DB); }
   template <class J>
   requires requires(const J& x) { x.F_C; }
   void add(const J& x) noexcept {
     add(x.F_C);
-    if constexpr (std::is_base_of_v<ImposedJoints::State, J>)
-      add(static_cast<const ImposedJoints::State&>(x));
+    if constexpr (std::is_base_of_v<PrescribedJoints::State, J>)
+      add(static_cast<const PrescribedJoints::State&>(x));
     if constexpr (std::is_base_of_v<JointStops::State, J>) add(static_cast<const JointStops::State&>(x));
   }
   void add(const JointStops::State& x) noexcept {
@@ -61,7 +61,7 @@ class Hash {
     if (first == 0 && second == 0) return;
     add(first, second);
   }
-  void add(const ImposedJoints::State& x) noexcept {
+  void add(const PrescribedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})
       for (const Real c : {a.x(), a.y()}) add(c);
   }

@@ -14,7 +14,7 @@ struct ImplicitEuler {
   using Memory = Empty;
   using NodeMemory = Empty;
 
-  /// One step of all bodies from x to w.next, towards the targets at the end of the step.
+  /// Advances all bodies by one step, from x to w.next, towards the targets at the end of the step.
   template <Scene S>
   static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     for (std::size_t g = 0; g < num_groups(par); ++g) {
@@ -24,8 +24,8 @@ struct ImplicitEuler {
     }
     start_nodes(par, x, 0, w);
     start_coordinates(par, x, w);
-    lead_joints(par, 1, w);
-    lead_forces(par, 1, w);
+    prescribe_joints(par, 1, w);
+    prescribe_forces(par, 1, w);
     begin_stage<S>({.relaxing = par.h}, w);
     begin_means(par, x, 0, w);
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);

@@ -1,17 +1,17 @@
-// TR-BDF2: second order, L-stable, two implicit Euler stages a step (docs/theory/tr_bdf2.md).
+// TR-BDF2: second order, L-stable, two implicit Euler stages per step (docs/theory/tr_bdf2.md).
 //
 //   (12)  stage 1, trapezoidal rule to c h:   base = y_n + d h K_0,            move d h to y_1
 //   (13)  stage 2, BDF2 to h:                 base = y_n + b h (K_0 + K_1),    move d h to y_n+1
 //
-// d = 1 - 1/sqrt 2, c = 2 d, b = sqrt 2 / 4; K = (velocity, acceleration) at the start and after stage 1.
-// K_0 is what stage 2 of the step before ended with. A step that has none, since a run or an engagement begins with it, starts
-// itself: the two stages of the SDIRK scheme of the same d, which is of second order and L-stable too:
+// d = 1 - 1/sqrt 2, c = 2 d, b = sqrt 2 / 4. K = (velocity, acceleration) at the start and after stage 1. K_0
+// is the end of stage 2 of the previous step. The first step of a run or an engagement has no K_0. It takes
+// the two stages of the SDIRK scheme with the same d, also of second order and L-stable:
 //
 //         stage 1, implicit Euler to d h:   base = y_n,                      move d h to y_1
 //         stage 2, SDIRK to h:              base = y_n + (1 - d) h K_1,      move d h to y_n+1
 //
-// Where a step turns a body so far that going on in a straight line means nothing, or where forces jump, the two stages are
-// implicit Euler steps of c h and (1 - c) h, which cannot gain energy. The step says so: Limited::first_order.
+// If a step rotates a body too far for linear extrapolation, or if forces jump, the stages are implicit Euler
+// steps of c h and (1 - c) h. These cannot increase the energy, and the step reports Limited::first_order.
 #pragma once
 
 #include "core/node_stage.h"
@@ -40,10 +40,10 @@ struct TrBdf2 {
   static constexpr Real c = 2 * d;
   static constexpr Real b = 0.35355339059327376;
 
-  /// One step of all bodies from x to w.next through the targets of w.pulls.
+  /// Advances all bodies by one step, from x to w.next, through the targets of w.pulls.
   template <Scene S>
   static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-    const Begin begin = how_it_begins(par, x, w);
+    const Begin begin = first_acceleration(par, x, w);
     const StepEnd end = solve_stages(begin, par, x, w);
     if (end == StepEnd::unsolved) [[unlikely]]
       solve_stages_as_euler(par, x, w);
@@ -51,70 +51,70 @@ struct TrBdf2 {
   }
 
  private:
-  enum class Begin : std::uint8_t { from_memory, by_itself, as_euler };
+  enum class Begin : std::uint8_t { from_memory, without_acceleration, two_euler_stages };
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
-    // among bodies something has come or gone meanwhile, of which K_0 knew nothing, and which may gain energy; joints (39) do
-    // not hold; springs gain (46); a body is pulled off its way; a stop (19) becomes active or inactive: to be
-    // taken again
+    // Retake the step as two implicit Euler stages: the set of active contacts or stops (19) changed, joints
+    // did not converge (39), net springs gained energy (46), or a body left the searched region.
     unsolved
   };
 
-  /// Forces of joints and contacts are not known at the start: extrapolated from the first stage alone they may drive.
+  /// True if a step without K_0 may use SDIRK. Not with joints or contacts: their forces at t_n are unknown,
+  /// and extrapolating them from stage 1 may add energy.
   template <class S>
-  static constexpr bool starts_itself = !uses<ContactsOf<S>> && !uses<typename S::Joints>;
+  static constexpr bool starts_without_acceleration = !uses<ContactsOf<S>> && !uses<typename S::Joints>;
 
-  /// Where the first stage ends, in steps.
-  static Real first_end(Begin begin) noexcept { return begin == Begin::by_itself ? d : c; }
+  /// Returns the end of the first stage as a share of the step.
+  static Real first_end(Begin begin) noexcept { return begin == Begin::without_acceleration ? d : c; }
 
-  /// Out of the way of steps that need it not.
+  /// Solves both stages as implicit Euler steps. Not inlined: keeps the fallback out of the hot path.
   template <Scene S>
   [[gnu::noinline]] static void solve_stages_as_euler(const Params<S>& par, const State<S>& x,
                                                       Scratch<S>& w) noexcept {
-    solve_stages(Begin::as_euler, par, x, w);
+    solve_stages(Begin::two_euler_stages, par, x, w);
   }
 
-  /// Both stages.
+  /// Solves both stages from the start that `begin` selects.
   template <Scene S>
   static StepEnd solve_stages(Begin begin, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     using T = Lanes<S>;
     const Real h = par.h;
-    const bool smooth = begin != Begin::as_euler;
+    const bool smooth = begin != Begin::two_euler_stages;
 
     // (12)
     const StageEnd first = solve_first_stage(begin, par, x, w);
-    if (!first.solved || (smooth && (is_found_deeper(w) || stop_changes(w)))) return StepEnd::unsolved;
+    if (!first.solved || (smooth && (has_penetration_jump(w) || stop_changes(w)))) return StepEnd::unsolved;
     const Real h_1 = first.h, dh = smooth ? d * h : 0;
 
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const bool alike = touch_alike(x.contacts, w.contacts.memories[w.contacts.last]);
+      const bool alike = have_same_active_contacts(x.contacts, w.contacts.memories[w.contacts.last]);
       if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
       still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
-      still_smooth =
-          still_smooth && touch_alike(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
+      still_smooth = still_smooth &&
+                     have_same_active_contacts(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (has_stages<S>) w.turns.known = still_smooth;
     if (still_smooth) extend_bases(begin, par, x, h_1, h_2, w);
     else follow_bases(par, x, h_1, w);
-    lead_joints(par, 1, w);
-    lead_forces(par, 1, w);
+    prescribe_joints(par, 1, w);
+    prescribe_forces(par, 1, w);
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
                     .relaxing = (1 - c) * h,
-                    .goes_on = true,
+                    .continues_step = true,
                     .is_euler = !still_smooth,
                     .ahead = still_smooth ? 2 * (b - d) * h : 0},  // from y_1 to the base
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
-    if (!last.solved || (still_smooth && is_found_deeper(w))) return StepEnd::unsolved;
+    if (!last.solved || (still_smooth && has_penetration_jump(w))) return StepEnd::unsolved;
     for (std::size_t g = 0; g < num_groups(par); ++g)
       w.next[g].x = moved(w.bases[g], w.velocities[g], last.h);
     end_coordinates(par, still_smooth ? h : last.h, w);
@@ -127,19 +127,19 @@ struct TrBdf2 {
       const StageVelocityOf<T>& V_2 = w.velocities[g];
       next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
                      .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
-                     .known = is_calm(w) && last.calm};
+                     .known = is_acceleration_valid(w) && last.acceleration_valid};
     }
     end_nodes(par, x, last.h, w);
     add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
       const auto& memories = w.contacts.memories;
-      if (ContactsOf<S>::between_bodies && smooth && !touch_alike(memories[0], memories[1]))
+      if (ContactsOf<S>::between_bodies && smooth && !have_same_active_contacts(memories[0], memories[1]))
         return StepEnd::unsolved;
     }
     return still_smooth ? StepEnd::second_order : StepEnd::first_order;
   }
 
-  /// (13)  The bases of the second stage, of length h_2; the first was h_1 long.
+  /// Extrapolates the bases of the second stage (13). h_1, h_2: lengths of the first and second stage, s.
   template <Scene S>
   static void extend_bases(Begin begin, const Params<S>& par, const State<S>& x, Real h_1,
                            [[maybe_unused]] Real h_2, Scratch<S>& w) noexcept {
@@ -149,7 +149,7 @@ struct TrBdf2 {
       const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
       const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
       const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
-      if (starts_itself<S> && begin == Begin::by_itself)
+      if (starts_without_acceleration<S> && begin == Begin::without_acceleration)
         w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * par.h);
       else
         w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
@@ -161,12 +161,12 @@ struct TrBdf2 {
     scale_means(par, b / d, w);
   }
 
-  /// (12), or where there is no K_0 an implicit Euler step of d h, or of c h.
+  /// Solves the first stage (12); without K_0, an implicit Euler step of d h or c h.
   template <Scene S>
   static StageEnd solve_first_stage(Begin begin, const Params<S>& par, const State<S>& x,
                                     Scratch<S>& w) noexcept {
     using T = Lanes<S>;
-    const bool smooth = begin != Begin::as_euler;
+    const bool smooth = begin != Begin::two_euler_stages;
     const Real h = par.h;
     const Real h_1 = smooth ? d * h : c * h;
     const Real dh = begin == Begin::from_memory ? d * h : 0;
@@ -185,19 +185,19 @@ struct TrBdf2 {
     start_nodes(par, x, dh, w);
     start_coordinates(par, x, w);
     begin_means(par, x, dh / h, w);
-    lead_joints(par, end, w);
-    lead_forces(par, end, w);
+    prescribe_joints(par, end, w);
+    prescribe_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
     begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }
 
-  /// y_n and K_0 of a group.
+  /// State y_n and slope K_0 of a group.
   template <class S>
   struct Start {
     using T = Lanes<S>;
-    // for a group of one no copies, but the body's own
+    // reference instead of a copy if the group is a single body
     template <class U>
     using Held = std::conditional_t<num_lanes<T> == 1, const U&, U>;
     Held<RigidBodyStateOf<T>> x;
@@ -210,7 +210,7 @@ struct TrBdf2 {
     }
   };
 
-  /// y + t K.
+  /// Returns y + t K.
   template <class T>
   static RigidBodyStateOf<T> extrapolated(const RigidBodyStateOf<T>& y, const Vector3<T>& v_W,
                                           const Vector3<T>& w_B, const Vector3<T>& a_W,
@@ -218,8 +218,8 @@ struct TrBdf2 {
     return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
-  /// h |w| <= max_turn: the gyroscopic term is resolved; max_swing / sqrt(I_max / I_min) where a coupling without a damper would
-  /// keep what a step gains.
+  /// True if h |w| <= max_turn, so that the gyroscopic term is resolved. The bound is max_swing / sqrt(I_max
+  /// / I_min) for couplings without damping, which would keep a step's energy gain.
   template <Scene S>
   static bool turn_is_small(const BodyParams<S>& par, const Vec3& w_B, Real h) noexcept {
     Real max_turn = uses<NetOf<S>> ? std::min(par.body.max_turn, max_carrier_turn) : par.body.max_turn;
@@ -229,37 +229,39 @@ struct TrBdf2 {
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
 
-  /// (35)  Some contact is deeper than it may be found: the step is taken again as two Euler stages, whose first asks that.
+  /// True if a contact is deeper than the motion explains (35). The step is then retaken as two Euler stages.
   template <Scene S>
-  static bool is_found_deeper(const Scratch<S>& w) noexcept {
-    if constexpr (asks_found<TouchingOf<S>>) return w.contacts.found_deeper;
+  static bool has_penetration_jump(const Scratch<S>& w) noexcept {
+    if constexpr (checks_penetration_jumps<TouchingOf<S>>) return w.contacts.penetration_jumps;
     return false;
   }
 
-  /// (19)  True if a stop became active or inactive in a stage. K_0 is of the law before, and a base that it
-  /// leads deep into the stop has energy that nothing gave.
+  /// True if a stop (19) became active or inactive in a stage. K_0 belongs to the previous law; a base that
+  /// it extrapolates deep into the stop has energy without a source.
   template <Scene S>
   static bool stop_changes([[maybe_unused]] const Scratch<S>& w) noexcept {
     if constexpr (uses<typename S::Joints>) return w.tree.stop_changes;
     return false;
   }
 
-  /// A stop that turns a coordinate round within a stage leaves an acceleration that says nothing of the next step; so does a
-  /// net of which an iteration was stopped, or springs were majorised.
+  /// True if the end of this step is a valid K_0 for the next. False after a stop reversed a coordinate
+  /// within the stage, net iterations were cut off, or springs were majorised.
   template <Scene S>
-  static bool is_calm(const Scratch<S>& w) noexcept {
-    bool calm = true;
-    if constexpr (uses<typename S::Joints>) calm = !w.tree.is_stiff && !stop_changes(w);
+  static bool is_acceleration_valid(const Scratch<S>& w) noexcept {
+    bool acceleration_valid = true;
+    if constexpr (uses<typename S::Joints>) acceleration_valid = !w.tree.is_stiff && !stop_changes(w);
     if constexpr (uses<ContactsOf<S>>)
-      calm = calm && touch_alike(w.contacts.memories[0], w.contacts.memories[1]);
+      acceleration_valid =
+          acceleration_valid && have_same_active_contacts(w.contacts.memories[0], w.contacts.memories[1]);
     if constexpr (uses<NetOf<S>>)
-      calm = calm && !w.contacts.net.report.majorised && w.contacts.net.is_solved &&
-             touch_alike(w.contacts.net.memories[0], w.contacts.net.memories[1]);
-    return calm;
+      acceleration_valid = acceleration_valid && !w.contacts.net.report.majorised &&
+                           w.contacts.net.is_solved &&
+                           have_same_active_contacts(w.contacts.net.memories[0], w.contacts.net.memories[1]);
+    return acceleration_valid;
   }
 
   template <Scene S>
-  static Begin how_it_begins(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
+  static Begin first_acceleration(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
     bool smooth = true, known = true;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const BodyState<S>& y = x.bodies[i];
@@ -270,24 +272,27 @@ struct TrBdf2 {
       if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
     }
     if (smooth && known) return Begin::from_memory;
-    return smooth && may_start_itself(par, x) ? Begin::by_itself : Begin::as_euler;
+    return smooth && may_start_without_acceleration(par, x) ? Begin::without_acceleration
+                                                            : Begin::two_euler_stages;
   }
 
-  /// d h (g + d h k) <= m, (d h)^2 k_r <= I + d h g_r: no stage overshoots what the coupling pulls to; h |w| sqrt(I_max / I_min) <= 1/2: a fast spin does not
-  /// gain in its first step.
+  /// True if a step may start without K_0. No stage overshoots the coupling's target if d h (g + d h k) <= m
+  /// and (d h)^2 k_r <= I + d h g_r. A fast spin does not gain energy in its first step if h |w| sqrt(I_max /
+  /// I_min) <= 1/2.
   template <Scene S>
-  static bool may_start_itself(const Params<S>& par, const State<S>& x) noexcept {
-    bool may = starts_itself<S>;
+  static bool may_start_without_acceleration(const Params<S>& par, const State<S>& x) noexcept {
+    bool may = starts_without_acceleration<S>;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyParams& body = par.bodies[i].body;
       may = may && par.h * body.anisotropy * x.bodies[i].x.w_B.norm() <= max_swing;
       if constexpr (uses<typename S::Coupling>) {
         const SpringParams& spring = par.bodies[i].coupling;
         may = may && d * par.h * (spring.g + d * par.h * spring.k) <= body.m;
-        // about the axis of least inertia, which is no less than I; slender tools are damped hard about it
+        // least moment about any axis is at least I, because anisotropy bounds the ratio; damped hard about
+        // it
         const Real I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
         may = may && d * par.h * (d * par.h * spring.k_r - spring.g_r) <= I;
-        // nothing would take back what the first step gains
+        // damping needed: without it a gain of the first step would persist
         may = may && (spring.g > 0 || !(spring.k > 0)) && (spring.g_r > 0 || !(spring.k_r > 0));
       }
     }

@@ -1,16 +1,16 @@
-// Nodes from stage to stage, as an integrator asks for it: those of a scene, and those of its nets. A scene without has none
-// of this.
+// Stage operations of nodes for the integrators: nodes of a scene and of its nets. Scenes without nodes
+// compile none of it.
 #pragma once
 
 #include "core/stage.h"
 
 namespace godobject {
 
-/// What the integrator keeps of nodes is their acceleration.
+/// True if the integrator keeps accelerations of nodes.
 template <class S>
 inline constexpr bool keeps_accelerations = !std::is_empty_v<typename S::Integrator::NodeMemory>;
 
-/// f(state, base, velocity of the last stage, next state) of all nodes.
+/// Calls f(state, base, velocity of the last stage, next state) for all nodes.
 template <Scene S, class F>
 void each_node(const Params<S>& par, const State<S>& x, Scratch<S>& w, F f) noexcept {
   if constexpr (uses<NodesOf<S>>)
@@ -21,7 +21,7 @@ void each_node(const Params<S>& par, const State<S>& x, Scratch<S>& w, F f) noex
       f(x.net.nodes[n], w.net.bases[n], w.contacts.x.V.nodes[n].vec(), w.net.next[n]);
 }
 
-/// The bases of the first stage: y_n + t K_0.
+/// Sets the bases of the first stage: y_n + t K_0.
 template <Scene S>
 void start_nodes(const Params<S>& par, const State<S>& x, Real t, Scratch<S>& w) noexcept {
   each_node(par, x, w, [&](const NodeState<S>& y, NodeMotion& base, const Vec3&, NodeState<S>&) noexcept {
@@ -30,7 +30,7 @@ void start_nodes(const Params<S>& par, const State<S>& x, Real t, Scratch<S>& w)
   });
 }
 
-/// (13)  Those of the second: y_n + bh (K_0 + K_1).
+/// Sets the bases of the second stage (13): y_n + bh (K_0 + K_1).
 template <Scene S>
 void extend_nodes(const Params<S>& par, const State<S>& x, Real bh, Real h_1, Scratch<S>& w) noexcept {
   each_node(par, x, w, [&](const NodeState<S>& y, NodeMotion& base, const Vec3& v_1, NodeState<S>&) noexcept {
@@ -39,7 +39,7 @@ void extend_nodes(const Params<S>& par, const State<S>& x, Real bh, Real h_1, Sc
   });
 }
 
-/// Those of another Euler step: where the one before, of length h_1, has ended.
+/// Sets the bases of another Euler step to the end of the previous one, of length h_1, s.
 template <Scene S>
 void follow_nodes(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
   each_node(par, x, w, [&](const NodeState<S>&, NodeMotion& base, const Vec3& v_1, NodeState<S>&) noexcept {
@@ -47,7 +47,7 @@ void follow_nodes(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>&
   });
 }
 
-/// The bases of a stage that is to be solved in parts (39) are kept where its end will be written, and are its bases again.
+/// Saves the bases of a stage before it is subdivided (39), in the storage of its end state.
 template <Scene S>
 void keep_node_starts(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   each_node(par, x, w, [](const NodeState<S>&, NodeMotion& base, const Vec3&, NodeState<S>& next) noexcept {
@@ -62,7 +62,7 @@ void restore_node_starts(const Params<S>& par, const State<S>& x, Scratch<S>& w)
   });
 }
 
-/// The end of the last stage, of length h.
+/// Stores the end state of the last stage, of length h, s.
 template <Scene S>
 void end_nodes(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   each_node(par, x, w,

@@ -1,4 +1,4 @@
-// A scene is a type that lists its parts. What it does not list has no storage and no code.
+// A scene is a type that lists its parts. Parts that it does not list have no storage and no code.
 //
 //   struct Peg {
 //     static constexpr int max_bodies = 1;
@@ -7,10 +7,10 @@
 //     using Joints = None;               // or TreeJoints<>
 //     using Coupling = DampedSpring;     // or None
 //     using Feedback = LimitedFeedback;  // or None: not haptic
-//     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; may be left out: nothing touches anything
-//     using Nodes = NodeList<25>;                 // particles; may be left out
-//     using Terms = TermList<DampedSprings<40>>;  // what else acts; may be left out
-//     using Net = MassSpringNet<1000, 3000, 300>;  // deformable tools and organs; needs BodyContacts; may be left out
+//     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; optional, default: no contacts
+//     using Nodes = NodeList<25>;                 // particles; optional
+//     using Terms = TermList<DampedSprings<40>>;  // other forces; optional
+//     using Net = MassSpringNet<1000, 3000, 300>;  // deformable tools and organs; needs BodyContacts; optional
 //   };
 //   static_assert(Scene<Peg>);
 #pragma once
@@ -31,7 +31,7 @@ namespace godobject {
 
 struct Empty {};
 
-/// An unused slot.
+/// Part that a scene does not have.
 struct None {
   using Params = Empty;
   using State = Empty;
@@ -45,8 +45,8 @@ struct None {
   static constexpr bool between_bodies = false;
 };
 
-/// Stands for an empty part in a struct: of another type in each slot, since two empty members of one type
-/// must have two addresses, and so storage.
+/// Empty member of a part that a scene does not have. The type differs per slot, because two empty members of
+/// one type need two addresses, and so storage.
 template <int slot>
 struct Absent {};
 template <int slot>
@@ -59,7 +59,7 @@ using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
 template <class Part>
 inline constexpr bool uses = !std::is_same_v<Part, None>;
 
-/// The part that a scene lists by this name; None if it lists no such part.
+/// Part that a scene lists under this name; None if it lists none.
 template <class S, template <class> class Named>
 struct ListedPart {
   using type = None;
@@ -89,7 +89,8 @@ using NetOf = typename ListedPart<S, NamedNet>::type;
 
 template <class S>
 inline constexpr std::size_t max_nodes = NodesOf<S>::max;
-/// Number of node j among all that contacts and terms act on: nodes come after the room for bodies.
+/// Returns the number of node j among all that contacts and terms act on. Nodes are numbered after the
+/// capacity for bodies.
 template <class S>
 constexpr std::uint32_t node_number(std::size_t j) noexcept {
   return static_cast<std::uint32_t>(S::max_bodies + j);
@@ -100,7 +101,7 @@ template <class P> concept Part = requires {
   typename P::State;
 };
 
-// One named rule per line: the compiler prints the name of the rule a scene breaks.
+// Rules of a scene, one named concept per line: the compiler prints the name of the violated rule.
 template <class S> concept HasBodies = (S::max_bodies > 0);
 template <class S> concept HasIntegrator = requires {
   typename S::Integrator::Memory;
@@ -112,14 +113,14 @@ template <class S> concept CouplingIsAPart = Part<typename S::Coupling>;
 template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 
-// A part of one slot does not fit into another: that is refused here, not deep within the step.
+// Rejects a part in the wrong slot here instead of deep within the step.
 template <class S> concept DeviceGivesPulls = !uses<typename S::Device> || requires {
   &S::Device::pull;
   typename S::Device::Input;
 };
 template <class S> concept JointsAreTreeJoints = !uses<typename S::Joints> || requires {
   typename S::Joints::Stops;
-  typename S::Joints::Imposed;
+  typename S::Joints::Prescribed;
 };
 template <class S>
 concept CouplingIsASpring = !uses<typename S::Coupling> || requires(typename S::Coupling::Params par) {
@@ -149,7 +150,8 @@ template <class S> concept NetIsAMassSpringNet = !uses<NetOf<S>> || requires {
   NetOf<S>::max_springs;
 };
 
-// Likely misspellings of parts that may be left out are refused, but as names of S itself and of its bases.
+// Rejects likely misspellings of optional parts as members of S, but not as names of S itself or of its
+// bases.
 #define GODOBJECT_NO_MEMBER(name) (!requires { requires !std::is_base_of_v<typename S::name, S>; })
 template <class S>
 concept ContactsAreNotMisspelt = GODOBJECT_NO_MEMBER(Contact) && GODOBJECT_NO_MEMBER(contacts) &&
@@ -173,7 +175,7 @@ concept NetIsNotMisspelt = GODOBJECT_NO_MEMBER(Nets) && GODOBJECT_NO_MEMBER(net)
     GODOBJECT_NO_MEMBER(nets) && GODOBJECT_NO_MEMBER(Nett) && GODOBJECT_NO_MEMBER(Mesh);
 #undef GODOBJECT_NO_MEMBER
 template <class S>
-concept ImposedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
+concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
 template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
@@ -189,10 +191,10 @@ concept NamesAreKnown =
     ContactsAreNotMisspelt<S> && NodesAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && NamesAreKnown<S> && PartsAreParts<S> &&
-    ImposedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> &&
+    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> &&
     CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
-/// Constant while running.
+/// Parameters of a body, constant during a run.
 template <class S>
 struct BodyParams {
   RigidBodyParams body;
@@ -214,7 +216,7 @@ struct Params {
   [[no_unique_address]] Slot<typename NetOf<S>::Params, 21> net;
 };
 
-/// A scene made for one body has one: its loops vanish.
+/// Returns the number of bodies. A scene with capacity for one body has one, so its loops vanish.
 template <class S>
 constexpr std::size_t num_bodies(const Params<S>& par) noexcept {
   if constexpr (S::max_bodies == 1) return 1;
@@ -230,19 +232,19 @@ constexpr std::size_t num_nodes(const Params<S>& par) noexcept {
   if constexpr (uses<NodesOf<S>>) return par.nodes.size;
   return 0;
 }
-/// Numbers of bodies and nodes are below it.
+/// Returns the bound of the numbers of bodies and nodes.
 template <class S>
 constexpr std::size_t end_of_numbers(const Params<S>& par) noexcept {
   if constexpr (uses<NodesOf<S>>) return S::max_bodies + par.nodes.size;
   return num_bodies(par);
 }
 
-/// A step has more than one stage, and contacts that each carries over.
+/// True if a step has several stages, each with contacts carried over from the previous one.
 template <class S>
 inline constexpr bool has_stages = uses<ContactsOf<S>>&& S::Integrator::order > 1;
 
-/// All that carries over from step to step: hash it, log it, restore it. Forces of the last stage, with which the means of the
-/// next step begin, are of outputs alone: no motion depends on them, and the hash is without.
+/// State carried from step to step: hash, log or restore it. Forces of the last stage affect outputs alone
+/// and are not hashed.
 template <class S>
 struct BodyState {
   RigidBodyState x;
@@ -288,10 +290,10 @@ using SlotOfAll = std::conditional_t<std::is_empty_v<T>, Absent<slot>, std::arra
 template <class S>
 struct Input {
   std::array<typename S::Device::Input, S::max_bodies> devices;
-  [[no_unique_address]] SlotOfAll<S, typename S::Joints::Input, 4> joints;  // imposed coordinates
+  [[no_unique_address]] SlotOfAll<S, typename S::Joints::Input, 4> joints;  // prescribed coordinates
 };
 
-/// To the devices and to whoever watches.
+/// Outputs for the devices and for observers.
 template <class S>
 struct BodyOutput {
   Pose X_WB;

@@ -1,4 +1,4 @@
-// Before the first step: derived constants, checks of the parameters, the first state.
+// Setup before the first step: derived constants, checks of the parameters, the initial state.
 #pragma once
 
 #include <Eigen/Eigenvalues>
@@ -12,13 +12,13 @@
 
 namespace godobject {
 
-/// Principal moments of inertia, ascending.
+/// Returns the principal moments of inertia, ascending, kg m^2.
 inline Vec3 principal_moments(const Mat3& I_B) noexcept {
   return Eigen::SelfAdjointEigenSolver<Mat3>(I_B, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-/// |w'| <= nutation |w| |w| in the norm of the energy, w.I w, for a free body, I w' = I w x w: in principal axes
-/// w_i' = (I_j - I_k) / I_i w_j w_k. Bodies whose moments obey I_i <= I_j + I_k, all that are made of mass, have 1.
+/// Returns the bound c of |w'| <= c |w| |w| in the energy norm w.I w, for a free body, I w' = I w x w. In
+/// principal axes w_i' = (I_j - I_k) / I_i w_j w_k. Physical bodies obey I_i <= I_j + I_k and have c = 1.
 inline Real nutation(const Vec3& moments) noexcept {
   Real rate = 1;
   for (int i = 0; i < 3; ++i) {
@@ -28,11 +28,11 @@ inline Real nutation(const Vec3& moments) noexcept {
   return rate;
 }
 
-/// Fills in what is derived from mass and inertia.
+/// Returns the parameters of a body with all constants derived from mass and inertia.
 inline RigidBodyParams rigid_body(Real m, const Mat3& I_B) noexcept {
   const Vec3 moments = principal_moments(I_B);
   const Real anisotropy = std::sqrt(moments.z() / moments.x());
-  // a body that is nearly a ball may turn farther
+  // a nearly isotropic body may turn farther
   const Real max_turn = std::max(max_extrapolated_turn / nutation(moments), max_swing / anisotropy);
   return {.m = m, .I_B = I_B, .anisotropy = anisotropy, .max_turn = max_turn};
 }
@@ -63,7 +63,7 @@ inline bool is_valid(const StopParams& par) noexcept {
   return none || (par.lower <= par.upper && is_gain(par.k) && is_gain(par.g) && par.width > 0);
 }
 
-/// The joint of body i.
+/// Validates the joint of body i.
 template <class Joints>
 Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexcept {
   if (par.kind == JointKind::free) return Invalid::nothing;
@@ -77,8 +77,8 @@ Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexce
     for (int c = 0; coordinates && c < 2; ++c)
       if (!is_valid(par.stop.stops[static_cast<std::size_t>(c)])) return Invalid::stop;
   }
-  if constexpr (uses<typename Joints::Imposed>) {
-    if (par.lead.imposed && !coordinates) return Invalid::not_imposable;
+  if constexpr (uses<typename Joints::Prescribed>) {
+    if (par.motion.prescribed && !coordinates) return Invalid::not_imposable;
   }
   return Invalid::nothing;
 }
@@ -89,8 +89,8 @@ inline bool is_valid(const ContactLaw& law) noexcept {
          is_gain(law.push_out) && holds;
 }
 
-/// Contacts of bodies numbered below num_bodies. on_bodies: surfaces may be, too.
-/// is_there(i): i is the number of a body or node.
+/// Validates the contacts of bodies numbered below num_bodies. on_bodies: surfaces may belong to bodies.
+/// is_there(i): true if i is the number of a body or node.
 template <std::size_t max_spheres, std::size_t max_surfaces, class IsThere>
 Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
                            bool on_bodies, IsThere is_there) noexcept {
@@ -129,7 +129,7 @@ bool is_valid(const Nodes& par) noexcept requires requires {
   for (std::size_t j = 0; valid && j < par.size; ++j) valid = par.list[j].m > 0 && is_gain(par.list[j].m);
   return valid;
 }
-/// is_there(i): i is the number of a body or node.
+/// True if all terms are valid. is_there(i): true if i is the number of a body or node.
 template <class... Terms, class IsThere>
 bool are_valid(const std::tuple<Terms...>& par, IsThere is_there) noexcept {
   const auto valid = [&](const auto& terms) noexcept {
@@ -140,7 +140,7 @@ bool are_valid(const std::tuple<Terms...>& par, IsThere is_there) noexcept {
   return std::apply([&](const auto&... terms) noexcept { return (valid(terms) && ...); }, par);
 }
 
-/// The first rule that the parameters break, with the body, sphere or surface that breaks it.
+/// Returns the first rule that the parameters break, with the body, sphere or surface that breaks it.
 template <Scene S>
 Validity validate(const Params<S>& par) noexcept {
   if (!(par.h > 0 && par.h - par.h == 0)) return Invalid::step_not_positive;
@@ -179,7 +179,7 @@ Validity validate(const Params<S>& par) noexcept {
   return Invalid::nothing;
 }
 
-/// The state before the first step: bodies where they are put, at rest or moving, devices released.
+/// Initial state: placed bodies, at rest or moving, and released devices.
 struct Start {
   Pose X_WB;
   Twist V_WB;
@@ -194,7 +194,7 @@ void place(State<S>& x, std::size_t i, const Start& start) noexcept {
   if constexpr (uses<typename S::Device>) x.bodies[i].device.last = {.X_WD = body.X_WB, .V_WD = {}};
 }
 
-/// Starts the coordinates of all joints where the bodies are placed, in the turn between their stops.
+/// Initialises the coordinates of all joints from the placed bodies, in the turn between their stops.
 template <Scene S>
 void start_turns(const Params<S>& par, State<S>& x) noexcept {
   if constexpr (counts_turns<S>) {
@@ -213,7 +213,7 @@ void start_turns(const Params<S>& par, State<S>& x) noexcept {
   }
 }
 
-/// Starts body i engaged, with the device's sample at the start of the first step: no ramp, no step missing.
+/// Starts body i engaged, with the device's sample at the start of the first step, without a ramp.
 template <Scene S>
 void engage_at(State<S>& x, std::size_t i, const Target& sample) noexcept {
   auto& device = x.bodies[i].device;

@@ -1,4 +1,4 @@
-// A stage, from its bases to the velocities it ends with. Where it has joints it is solved until they hold.
+// Solution of a stage, from its bases to the velocities at its end, repeated until the joints hold.
 #pragma once
 
 #include "core/node_stage.h"
@@ -7,8 +7,9 @@
 
 namespace godobject {
 
-/// (39)  Whether the joints hold where the bodies are moved to: h |dw| sqrt(h^2 |dw|^2 + h^2 |w+|^2) is what turns leave of
-/// a lever, dw the change against the velocities for which the joints were taken; those are from(g).
+/// True if the joints hold at the moved bodies (39). Rotation violates a joint by h |dw| sqrt(h^2 |dw|^2 +
+/// h^2 |w+|^2) of a lever. dw: change of w against the velocities from(g) at which the joints were
+/// linearised.
 template <Scene S, class VelocityOfGroup>
 bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, const Scratch<S>& w) noexcept {
   using T = Lanes<S>;
@@ -16,68 +17,71 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
   for (std::size_t g = 0; g < num_groups(par); ++g) {
     const Vector3<T>& w_B = w.velocities[g].w_B;
     const T change_sq = (w_B - from(g)).squaredNorm();
-    const T bend_sq = change_sq * (change_sq + w_B.squaredNorm());
+    const T violation_sq = change_sq * (change_sq + w_B.squaredNorm());
     for (std::size_t j = 0; j < lanes<S> && g * lanes<S> + j < num_bodies(par); ++j) {
       if constexpr (uses<ContactsOf<S>>)
         if (!w.contacts.graph.joints.joined[g * lanes<S> + j]) continue;
-      sum += lane(bend_sq, j);
+      sum += lane(violation_sq, j);
     }
   }
-  return (h * h) * (h * h) * sum <= max_bend * max_bend;
+  return (h * h) * (h * h) * sum <= min_iterated_violation * min_iterated_violation;
 }
 
-/// A stop is linear where it is predicted once, and does not gain; taken again it may go to and fro.
-inline constexpr int met_a_stop = -1;
+/// Returned if a joint stop is active. Stops are linearised once per stage; relinearising them may alternate
+/// between active and inactive.
+inline constexpr int stop_is_active = -1;
 
-/// The stage from the bases again: its contacts begin where they began.
+/// Re-solves the stage from the same base state, with the contact memory of before the first solve.
 template <Solve which, Scene S, class TargetOfGroup>
-void solve_anew(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
-                Scratch<S>& w) noexcept {
+void resolve(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+             Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) w.contacts.last = 1 - w.contacts.last;
   if constexpr (uses<NetOf<S>>) w.contacts.net.last = 1 - w.contacts.net.last;
   solve_once<which>(par, x, h, target_of, w);
 }
 
-/// (39)  Solves over h until the joints hold: after how many iterations. More than max_joint_iterations: they do not.
+/// Iterates the solution over h until the joints hold (39). Returns the number of iterations, more than
+/// max_joint_iterations if they do not hold.
 template <Scene S, class TargetOfGroup>
 int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                    Scratch<S>& w) noexcept {
   for (int k = 1; k <= max_joint_iterations; ++k) {
     w.iteration.linearised = w.velocities;
-    solve_anew<Solve::again>(par, x, h, target_of, w);
-    if (w.tree.stop_acts) return met_a_stop;
+    resolve<Solve::again>(par, x, h, target_of, w);
+    if (w.tree.stop_acts) return stop_is_active;
     const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
     if (joints_hold(par, h, from, w)) return k;
   }
   return max_joint_iterations + 1;
 }
 
-/// Whether the joints held where the step starts. One that is apart is closed as far as a straight line goes, once.
+/// True if every joint's violation at the start of the step is below max_apart. Only then may the stage be
+/// iterated; larger violations are corrected once, clamped.
 template <Scene S>
-bool joints_start_shut(const Params<S>& par, const State<S>& x) noexcept {
-  bool shut = true;
+bool joints_hold_at_start(const Params<S>& par, const State<S>& x) noexcept {
+  bool hold = true;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const auto& joint = par.bodies[i].joint;
     if (joint.kind == JointKind::free) continue;
-    if constexpr (imposes<S>) {
-      if (joint.lead.imposed) continue;
+    if constexpr (prescribes<S>) {
+      if (joint.motion.prescribed) continue;
     }
     with_joint(joint.kind, [&](auto kind) noexcept {
       const auto m = kind.motion(joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i)).X);
       const Real e_w_sq = decltype(m)::num_turns < 3 ? m.e_w.squaredNorm() : 0,
                  lever_sq = joint.C.p.squaredNorm();
-      shut =
-          shut && e_w_sq <= max_apart * max_apart && m.e_v.squaredNorm() <= max_apart * max_apart * lever_sq;
+      hold =
+          hold && e_w_sq <= max_apart * max_apart && m.e_v.squaredNorm() <= max_apart * max_apart * lever_sq;
     });
   }
-  return shut;
+  return hold;
 }
 
-/// What contacts carry over from part to part of a stage that was solved in one.
+/// Contact memory of a stage that is repeated in substeps.
 template <Scene S>
-class ContactParts {
+class SubstepContacts {
  public:
-  explicit ContactParts(Scratch<S>& w) noexcept {
+  explicit SubstepContacts(Scratch<S>& w) noexcept {
     if constexpr (uses<ContactsOf<S>>) {
       stage_ = w.contacts.stage;
       last_ = 1 - w.contacts.last;
@@ -89,13 +93,14 @@ class ContactParts {
       if constexpr (has_stages<S>) w.net.of_stage_before.assign(net.memories[last_of_nets_]);
     }
   }
-  /// Before part k.
-  void begin([[maybe_unused]] int k, [[maybe_unused]] int parts,
+  /// Prepares the contacts of substep k.
+  void begin([[maybe_unused]] int k, [[maybe_unused]] int substeps,
              [[maybe_unused]] Scratch<S>& w) const noexcept {
     if constexpr (uses<ContactsOf<S>>) {
       w.contacts.stage =
-          k == 0 ? stage_ : ContactStage{.found = w.contacts.report.found, .goes_on = true, .follows = true};
-      w.contacts.stage.relaxing = stage_.relaxing / parts;
+          k == 0 ? stage_
+                 : ContactStage{.found = w.contacts.report.found, .continues_step = true, .follows = true};
+      w.contacts.stage.relaxing = stage_.relaxing / substeps;
       if (k > 0) return;
       w.contacts.last = last_;
       if constexpr (has_stages<S>) w.contacts.memories[last_].assign(w.iteration.of_stage_before);
@@ -112,7 +117,8 @@ class ContactParts {
   std::size_t last_ = 0, last_of_nets_ = 0;
 };
 
-/// The bases of another Euler step, or part: where the one before, of length h_1, has ended. Its forces go into the means.
+/// Sets the bases of another Euler step or substep to the end of the previous one, of length h_1. Adds its
+/// forces to the means.
 template <Scene S>
 void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
   add_to_means(par, h_1 / par.h, w);
@@ -122,10 +128,10 @@ void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>&
   follow_nodes(par, x, h_1, w);
 }
 
-/// (39)  The stage in parts, each an implicit Euler step, as few as let the joints hold. The length of a part: w.bases and
-/// w.velocities are those of the last.
+/// Solves the stage in as few implicit Euler substeps as make the joints hold (39). Returns the length of a
+/// substep, s. w.bases and w.velocities are those of the last substep.
 template <Scene S, class TargetOfGroup>
-Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
+Real solve_substeps(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                     Scratch<S>& w) noexcept {
   const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
   w.iteration.starts = w.bases;
@@ -133,23 +139,23 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
   w.iteration.subdivides = true;
   assign(w.means, w.iteration.means);
   keep_node_starts(par, x, w);
-  ContactParts<S> contacts(w);
-  constexpr int most = uses<NetOf<S>> ? max_parts_with_nets : max_parts;
-  for (int parts = part_ratio;; parts *= part_ratio) {
-    const Real t = h / parts;
-    const bool last_try = parts == most;
+  SubstepContacts<S> contacts(w);
+  constexpr int limit = uses<NetOf<S>> ? max_substeps_with_nets : max_substeps;
+  for (int substeps = substep_ratio;; substeps *= substep_ratio) {
+    const Real t = h / substeps;
+    const bool is_last = substeps == limit;
     bool hold = true;
-    for (int k = 0; k < parts && (hold || last_try); ++k) {
+    for (int k = 0; k < substeps && (hold || is_last); ++k) {
       if (k > 0) follow_bases(par, x, t, w);
-      contacts.begin(k, parts, w);
+      contacts.begin(k, substeps, w);
       if (k == 0) solve_once(par, x, t, target_of, w);
-      else solve_once<Solve::first_of_part>(par, x, t, target_of, w);
+      else solve_once<Solve::first_of_substep>(par, x, t, target_of, w);
       if (joints_hold(par, t, base, w) || w.tree.stop_acts) continue;
       const int iterations = iterate_joints(par, x, t, target_of, w);
-      if (iterations == met_a_stop) solve_anew<Solve::first_of_part>(par, x, t, target_of, w);
+      if (iterations == stop_is_active) resolve<Solve::first_of_substep>(par, x, t, target_of, w);
       hold = iterations <= max_joint_iterations;
     }
-    if (hold || last_try) return t;
+    if (hold || is_last) return t;
     w.bases = w.iteration.starts;
     w.tree.q = w.iteration.coordinates;
     assign(w.iteration.means, w.means);
@@ -157,65 +163,68 @@ Real solve_in_parts(const Params<S>& par, const State<S>& x, Real h, const Targe
   }
 }
 
-/// What became of a stage.
+/// Outcome of a stage solve.
 struct StageEnd {
-  bool solved = true;  // false: its joints do not hold, and it was not to be parted
-  bool calm =
-      true;  // false: forces of joints changed so much in it that its accelerations say nothing of the next
-  Real h;    // from w.bases to the end: shorter than the stage where it was parted (39)
+  bool solved = true;  // false if the joints did not converge and substeps were not allowed
+  bool acceleration_valid =
+      true;  // false if joint forces jumped in this stage, so that its accelerations do not extrapolate
+  Real h;    // s, from w.bases to the end; shorter than a subdivided stage (39)
 };
 
-/// A stage that is solved once and whose joints do not hold. Out of the way of those that do.
+/// Completes a stage whose joints do not hold after one solve. Not inlined: keeps it out of the hot path.
 template <Scene S, class TargetOfGroup>
 [[gnu::noinline]] StageEnd solve_until_joints_hold(const Params<S>& par, const State<S>& x, Real h,
-                                                   bool may_part, const TargetOfGroup& target_of,
+                                                   bool may_subdivide, const TargetOfGroup& target_of,
                                                    Scratch<S>& w) noexcept {
-  if (w.tree.stop_acts || !joints_start_shut(par, x)) return {.h = h};
+  if (w.tree.stop_acts || !joints_hold_at_start(par, x)) return {.h = h};
   const int iterations = iterate_joints(par, x, h, target_of, w);
-  if (iterations == met_a_stop) {
-    solve_anew<Solve::first>(par, x, h, target_of, w);
+  if (iterations == stop_is_active) {
+    resolve<Solve::first>(par, x, h, target_of, w);
     return {.h = h};
   }
-  if (iterations <= max_joint_iterations) return {.calm = iterations <= max_calm_iterations, .h = h};
-  if (!may_part) return {.solved = false, .calm = false, .h = h};
-  return {.calm = false, .h = solve_in_parts(par, x, h, target_of, w)};
+  if (iterations <= max_joint_iterations)
+    return {.acceleration_valid = iterations <= max_iterations_with_acceleration, .h = h};
+  if (!may_subdivide) return {.solved = false, .acceleration_valid = false, .h = h};
+  return {.acceleration_valid = false, .h = solve_substeps(par, x, h, target_of, w)};
 }
 
-/// Something pulls a body in the stage to where its contacts were not sought: it moves otherwise than predicted, and farther,
-/// or nothing holds it.
+/// True if a body's solved motion leaves the region in which its contacts were searched. Checked for bodies
+/// that move farther than predicted or have no contact force.
 template <Scene S>
-[[gnu::noinline]] bool ends_astray(const Params<S>& par, Real h, bool may_be_held,
-                                   const Scratch<S>& w) noexcept {
+[[gnu::noinline]] bool ends_outside_search(const Params<S>& par, Real h, bool may_be_held,
+                                           const Scratch<S>& w) noexcept {
   const auto& finder = w.contacts.finder;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const auto& owned = finder.owned[i];
-    const Twist V{.w = w.contacts.x.V[i].w.vec(), .v = w.contacts.x.V[i].v.vec()}, &sought = finder.at[i].V;
-    const Twist beyond{.w = V.w - sought.w, .v = V.v - sought.v};
-    if (!is_astray(owned, owned.pulled, h) || !is_astray(owned, beyond, h)) continue;
+    const Twist V{.w = w.contacts.x.V[i].w.vec(), .v = w.contacts.x.V[i].v.vec()},
+        &predicted = finder.at[i].V;
+    const Twist beyond{.w = V.w - predicted.w, .v = V.v - predicted.v};
+    if (!is_outside_search(owned, owned.beyond_predicted, h) || !is_outside_search(owned, beyond, h))
+      continue;
     const Wrench& F = w.contacts.wrenches[i];
     const bool is_held = F.f.squaredNorm() + F.tau.squaredNorm() > 0;
-    const Real farther = speed_bound(V, owned.farthest) - speed_bound(sought, owned.farthest);
+    const Real farther = speed_bound(V, owned.farthest) - speed_bound(predicted, owned.farthest);
     if (may_be_held || !is_held || h * farther > owned.smallest) return true;
   }
   return false;
 }
 
-/// Solves the stage over h from w.bases. may_part: it is an implicit Euler step.
+/// Solves the stage over h from w.bases. may_subdivide: the stage is an implicit Euler step.
 template <Scene S, class TargetOfGroup>
-StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_part,
+StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_unused]] bool may_subdivide,
                      const TargetOfGroup& target_of, Scratch<S>& w) noexcept {
   solve_once(par, x, h, target_of, w);
   if constexpr (uses<ContactsOf<S>>) {
-    // a step of second order has no straight way to seek contacts on
-    if (w.contacts.finder.strays && ends_astray(par, h, !may_part, w)) [[unlikely]] {
-      if (!may_part) return {.solved = false, .calm = false, .h = h};
-      solve_anew<Solve::again>(par, x, h, target_of, w);
+    // second-order stages have no straight path along which contacts could be searched
+    if (w.contacts.finder.may_leave_search && ends_outside_search(par, h, !may_subdivide, w)) [[unlikely]] {
+      if (!may_subdivide) return {.solved = false, .acceleration_valid = false, .h = h};
+      resolve<Solve::again>(par, x, h, target_of, w);
     }
   }
   if constexpr (iterates_joints<S>) {
     const auto base = [&w](std::size_t g) -> const auto& { return w.bases[g].w_B; };
     if (!joints_hold(par, h, base, w)) [[unlikely]]
-      return solve_until_joints_hold(par, x, h, may_part, target_of, w);
+      return solve_until_joints_hold(par, x, h, may_subdivide, target_of, w);
   }
   return {.h = h};
 }

@@ -1,4 +1,4 @@
-// One stage of an integrator: from the bases of all bodies to the velocities they move with.
+// One stage of an integrator: from the bases of all bodies to their velocities.
 #pragma once
 
 #include "core/body/implicit_stage.h"
@@ -6,11 +6,12 @@
 
 namespace godobject {
 
-/// Which solve of a stage: the forces of joints (21) are those of the solve before, or of the step before in its first;
-/// joints are taken where the base's velocities lead to, or (39) those of the solve before.
-enum class Solve : std::uint8_t { first, first_of_part, again };
+/// Kind of a solve. It selects the joint forces in the geometric stiffness (21): of the previous solve, or of
+/// the previous step for `first`. It selects the linearisation of joints: at the base's velocities, or at
+/// those of the previous solve (39).
+enum class Solve : std::uint8_t { first, first_of_substep, again };
 
-/// (7): the velocities of all bodies, from their systems in the tree.
+/// Solves the tree of joints for the velocities of all bodies (7).
 template <Solve which, Scene S>
 void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
   w.tree.is_stiff = w.tree.stop_acts = w.tree.stop_changes = false;
@@ -25,8 +26,7 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
   }
 }
 
-/// The bodies of a group by themselves: where they are predicted to be, their stages, and their velocities without
-/// contacts.
+/// Sets up the bodies of a group without contacts: predicted places, stage systems, velocities.
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
                  const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
@@ -62,11 +62,11 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
                             .is_held = lane(translation.M, j) > par.bodies[i].body.m};
     w.contacts.x.V[i] = {.w = w_0[j], .v = v_0[j]};
     w.contacts.x.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
-    owned.pulled = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};
+    owned.beyond_predicted = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};
   }
 }
 
-/// The nodes: where they are predicted to be, their stages, and their velocities by themselves.
+/// Sets up the nodes without contacts: predicted places, stage systems, velocities.
 template <Scene S>
 void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
@@ -78,14 +78,14 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
     contacts.finder.at[u] = {
         .p_W = p_W, .R_WB = Mat3::Identity(), .a_W = p_W, .V = {.w = Vec3::Zero(), .v = v_W}};
     contacts.finder.owned[u].tree = u;
-    contacts.finder.owned[u].pulled = {};
+    contacts.finder.owned[u].beyond_predicted = {};
     contacts.stages[u] = {
         .A_ww = Block::identity(), .M = m, .b = {.w = Column(Pack(0)), .v = Column(Vec3(m * v_W))}};
     contacts.x.V[u] = contacts.x.V_0[u] = {.w = Column(Pack(0)), .v = Column(v_W)};
   }
 }
 
-/// The same, with what they touch and what else acts on them. Compiled once for all stages of a step.
+/// Solves a stage with contacts, nodes and terms. Compiled once for all stages of a step.
 template <Scene S>
 [[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which,
                                       Real h, Scratch<S>& w) noexcept {
@@ -115,16 +115,17 @@ template <Scene S>
       w.nodes.velocities[j] = contacts.x.V[node_number<S>(j)].v.vec();
 }
 
-/// What a stage starts from: contacts dragged on for t_0 at the rate of the step, t_1 at that of the stage before.
+/// Sets how the stage extrapolates contact drag: t_0 times the rate of the previous step plus t_1 times that
+/// of the previous stage.
 template <Scene S>
 void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) {
     w.contacts.stage = stage;
-    w.contacts.stage.found = stage.goes_on ? w.contacts.report.found : 0;
+    w.contacts.stage.found = stage.continues_step ? w.contacts.report.found : 0;
   }
 }
 
-/// The attitude errors of the step before, by which a stage keeps its side near the half turn.
+/// Restores the attitude errors of the previous step, by which a stage keeps its side near the half turn.
 template <Scene S>
 void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) noexcept {
   if constexpr (uses<typename S::Coupling>)
@@ -132,8 +133,9 @@ void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) no
         gathered(group, [&](std::size_t i) -> const Vec3& { return x.bodies[i].coupling.phi_B; });
 }
 
-/// Solves (10) and (11), linearised once, for every body over a time h from w.bases; target_of(g) are the targets of
-/// group g at the end of the stage. w.next holds the attitude error of the stage before, then of this one.
+/// Solves (10) and (11), linearised once, for every body over a time h from w.bases. target_of(g): targets of
+/// group g at the end of the stage. w.next: attitude errors of the previous stage, replaced by those of this
+/// one.
 template <Solve which = Solve::first, Scene S, class TargetOfGroup>
 void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
                 Scratch<S>& w) noexcept {
@@ -170,14 +172,14 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
     constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
-    const auto led = [&]() noexcept -> decltype(auto) {
+    const auto point = [&]() noexcept -> decltype(auto) {
       if constexpr (which != Solve::again) return (base);
       else return RigidBodyStateOf<T>{base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
     };
     if constexpr (uses<ContactsOf<S>>) {
-      load_bodies(par, g, led(), translation, rotation, F_0, h, max_turn, w);
+      load_bodies(par, g, point(), translation, rotation, F_0, h, max_turn, w);
     } else if constexpr (uses<typename S::Joints>) {
-      load(par, g, led(), translation, rotation, F_0, h, max_turn, w.tree);
+      load(par, g, point(), translation, rotation, F_0, h, max_turn, w.tree);
     } else {
       w.velocities[g] = {.v_W = translation.b_W * T(1 / translation.M),
                          .w_B = solve3<T>(rotation.A_B, rotation.b_B)};
@@ -190,23 +192,24 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
   }
 }
 
-/// The bodies at the end of a stage.
+/// Returns the bodies at the end of a stage.
 template <class T>
 RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf<T>& V, Real h) noexcept {
   return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
 }
 
-/// Imposed joints at the fraction s of the step: where the coming stage is to lead them.
+/// Sets the prescribed joint coordinates for the coming stage, which ends at the fraction s of the step.
 template <Scene S>
-void lead_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
-  if constexpr (imposes<S>) {
-    for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.led[i] = interpolated(w.leads[i], s, par.h);
+void prescribe_joints(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+  if constexpr (prescribes<S>) {
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
+      w.tree.prescribed_q[i] = interpolated(w.prescribed[i], s, par.h);
   }
 }
 
-/// Applied forces at the fraction s of the step, where the coming stage ends.
+/// Sets the applied forces for the coming stage, which ends at the fraction s of the step.
 template <Scene S>
-void lead_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
+void prescribe_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   if constexpr (uses<typename S::Device>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const Wrench &F_0 = w.pulls[i].F_0_WB, &F_1 = w.pulls[i].F_1_WB;
@@ -216,7 +219,7 @@ void lead_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   }
 }
 
-/// The joints' coordinates where the step starts.
+/// Copies the joint coordinates at the start of the step.
 template <Scene S>
 void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   if constexpr (counts_turns<S>) {
@@ -224,7 +227,7 @@ void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) n
   }
 }
 
-/// Follows the joints' coordinates over a time t, s, to where the bodies are then: at(i).
+/// Updates the joint coordinates over a time t, s, to the bodies' places at(i).
 template <Scene S, class StateOfBody>
 void follow_coordinates(const Params<S>& par, Real t, const StateOfBody& at, Scratch<S>& w) noexcept {
   if constexpr (counts_turns<S>) {
@@ -244,14 +247,14 @@ void follow_coordinates(const Params<S>& par, Real t, const StateOfBody& at, Scr
   }
 }
 
-/// Those at the end of the step, a time t, s, after the coordinates that are known.
+/// Updates the joint coordinates to the end of the step, a time t, s, after those stored.
 template <Scene S>
 void end_coordinates(const Params<S>& par, Real t, Scratch<S>& w) noexcept {
   follow_coordinates(
       par, t, [&w](std::size_t i) { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }, w);
 }
 
-/// The targets at the end of the step.
+/// Returns the targets at the end of the step, by group.
 template <Scene S>
 auto targets_at_the_end(const Params<S>& par, const Scratch<S>& w) noexcept {
   return [&](std::size_t g) -> decltype(auto) {

@@ -1,4 +1,4 @@
-// What a step works on, as large as the scene's parts ask for. Scratch: undefined between steps.
+// Working storage of a step, sized by the scene's parts and undefined between steps.
 #pragma once
 
 #include "core/contact/bodies.h"
@@ -9,8 +9,8 @@
 
 namespace godobject {
 
-/// What the bodies of a scene are worked on with: one by one, or by groups of four where there are more than two. A
-/// scene may say which with `using Number = Real;` or Pack.
+/// Number type of a scene's bodies: single, or groups of four if there are more than two. A scene may
+/// override it with `using Number = Real;` or Pack.
 template <class S>
 struct NumberOf {
   using type = std::conditional_t<(S::max_bodies > 2), Pack, Real>;
@@ -33,7 +33,7 @@ constexpr std::size_t num_groups(const Params<S>& par) noexcept {
   return (num_bodies(par) + lanes<S> - 1) / lanes<S>;
 }
 
-/// The next state of a group, as a step computes it before it is known to be good.
+/// Next state of a group, before the step is known to be valid.
 template <class S>
 struct Next {
   using T = Lanes<S>;
@@ -42,11 +42,11 @@ struct Next {
   [[no_unique_address]] Slot<typename S::Coupling::template StateOf<T>, 1> coupling;
 };
 
-/// Joints of the scene may follow the device.
+/// True if joints of the scene may be prescribed by the device.
 template <class S>
-inline constexpr bool imposes = !std::is_empty_v<typename S::Joints::Input>;
+inline constexpr bool prescribes = !std::is_empty_v<typename S::Joints::Input>;
 
-/// The contacts of a scene, with its joints, nodes and terms if it has any.
+/// Contact part of a scene, with its joints, nodes and terms.
 template <class S>
 struct TouchingType {
   using OfBodies = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
@@ -61,22 +61,21 @@ template <class S>
 using ContactScratchOf =
     std::conditional_t<uses<ContactsOf<S>>, BodyContactScratch<TouchingOf<S>, S::max_bodies + max_nodes<S>>,
                        Absent<10>>;
-/// Its joints, of bodies that may touch or that do not.
+/// Joint part of a scene, of bodies with or without contacts.
 template <class S>
 using JointScratchOf = std::conditional_t<
     !uses<typename S::Joints>, Absent<4>,
     std::conditional_t<uses<ContactsOf<S>>, TouchingJoints<S::max_bodies, typename S::Joints>,
                        Tree<S::max_bodies, typename S::Joints>>>;
 
-/// (34)  How fast the bodies are expected to turn at the end of a stage, rad/s, body axes: where nothing jumps.
+/// Angular velocity expected at the end of a stage without force jumps (34), rad/s, body axes.
 template <class S>
 struct ExpectedTurns {
   bool known = false;
   std::array<Vector3<Lanes<S>>, max_groups<S>> w_B;
 };
 
-/// Means over a step of what contacts and joints bear, as far as its stages are solved. Contacts of a step are those of all its
-/// stages.
+/// Means over a step of contact and joint forces, over the stages solved so far.
 template <class S>
 struct StepMeans {
   static constexpr std::size_t num_stages = S::Integrator::order + 1;  // with the one before the step
@@ -93,7 +92,7 @@ struct StepMeans {
       of_nodes;
 };
 
-/// (39)  Stages of bodies on joints are iterated.
+/// True if stages are iterated for joints (39).
 template <class S>
 inline constexpr bool iterates_joints = requires {
   requires !S::Joints::Stabilisation::uses_base;
@@ -109,7 +108,7 @@ struct Iteration {
   bool subdivides = false;  // a stage of the step was subdivided
 };
 
-/// The nodes of nets: where the stage starts, and where it ends.
+/// Nodes of nets at the start and the end of a stage.
 template <class S>
 struct NetMotions {
   std::array<NodeMotion, NetOf<S>::max_nodes> bases;
@@ -119,7 +118,7 @@ struct NetMotions {
       of_stage_before;  // contacts
 };
 
-/// Scratch: undefined between steps.
+/// Working storage of a step, undefined between steps.
 template <class S>
 struct Scratch {
   using T = Lanes<S>;
@@ -127,12 +126,14 @@ struct Scratch {
   std::array<Next<S>, max_groups<S>> next;                                     // committed if finite
   std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
   std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
-  std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // what the stage solves for
+  std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // solution of the stage
   [[no_unique_address]] JointScratchOf<S> tree;                                // the bodies with their joints
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits
-  [[no_unique_address]] std::conditional_t<imposes<S>, std::array<Lead, S::max_bodies>, Absent<6>> leads;
+  [[no_unique_address]] std::conditional_t<prescribes<S>, std::array<PrescribedMotion, S::max_bodies>,
+                                           Absent<6>>
+      prescribed;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ExpectedTurns<S>, Absent<17>> turns;
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,

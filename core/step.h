@@ -54,14 +54,14 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
   return is_finite(all);
 }
 
-/// (8) at the end of the step, scaled by the ramp.
+/// Returns the feedback (8) at the end of the step, scaled by the ramp.
 template <class S>
 Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& body) noexcept {
   const RotationError error = rotation_error(body.x.X_WB.q, pull.to.X_WD.q, body.coupling.phi_B);
   return S::Feedback::wrench(ramped(par.feedback.gains, pull.ramp.s), body.x, pull.to, error.phi_B);
 }
 
-/// (9) from the leaves up: what links without a motor should show goes to their parents. The device's links are
+/// Moves feedback of links without a motor to their parents (9), from the leaves up. Links of the device are
 /// where the targets are.
 template <class S>
 void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
@@ -77,7 +77,7 @@ void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
   }
 }
 
-/// Limits that the solver has met in a step that was taken.
+/// Returns the limits that the solver reached in a step that was taken.
 template <class S>
 Limited limits_of(const Scratch<S>& w) noexcept {
   Limited limited = Limited::none;
@@ -101,7 +101,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
       x.bodies[i].memory = next.memory.of_lane(j);
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
     if constexpr (uses<typename S::Device>) x.bodies[i].device = carried_over(w.pulls[i]);
-    if constexpr (imposes<S>) x.bodies[i].joint.last = w.leads[i].to;
+    if constexpr (prescribes<S>) x.bodies[i].joint.last = w.prescribed[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
     if constexpr (has_stages<S>) x.bodies[i].contact.F_W = w.contacts.wrenches[i];
@@ -117,10 +117,10 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   x.tick += 1;
 }
 
-/// One time step of length par.h: from state x and the devices' samples at the end of the step to the new
-/// state and what the devices are to show. A step whose input or result is not finite, or that breaks (58),
-/// is not taken: x
-/// keeps all but the shown wrench, which goes to zero within its rate limit.
+/// Advances a scene by one time step of length h.
+/// x: state, replaced by that at the end of the step. in: samples of the devices at the end of the step.
+/// out: outputs for the devices. A step with a non-finite input or result, or one that fails (58), leaves x
+/// unchanged. Only the displayed wrench changes: it falls to zero within its rate limit.
 template <Scene S>
 // NOLINTNEXTLINE(readability-function-size): one flat list
 GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
@@ -136,12 +136,12 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
         w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
                                      x.bodies[i].device, out.limited);
   }
-  if constexpr (imposes<S>) {
+  if constexpr (prescribes<S>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.joints[i]);
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
-        w.leads[i] = lead(x.bodies[i].joint, num_axes(par.bodies[i].joint.kind).turns, in.joints[i],
-                          x.bodies[i].device.ramp, w.pulls[i], par.h);
+        w.prescribed[i] = prescribe(x.bodies[i].joint, num_axes(par.bodies[i].joint.kind).turns, in.joints[i],
+                                    x.bodies[i].device.ramp, w.pulls[i], par.h);
   }
 
   // motion: (10), (11), by one or two stages (12), (13)
@@ -187,7 +187,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   // output
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyState<S>& body = x.bodies[i];
-    // after a fault the state is that of the step before, unless the caller damaged it: then the last pose stands
+    // after a fault the previous state remains; the last pose too, if the caller damaged the state
     if (any(out.fault) && !is_finite(sum(body.x.X_WB) + body.x.v_W.sum() + body.x.w_B.sum())) continue;
     if constexpr (uses<typename S::Joints>) {
       if (!any(out.fault)) out.bodies[i].joint = w.means.bodies[i].joint;

@@ -1,4 +1,4 @@
-// The rule that a parameter set breaks, the body or other element that breaks it, and both in words.
+// Rule that a parameter set breaks, the body or other element that breaks it, and both as text.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// The first rule a parameter set breaks.
+/// First rule that a parameter set breaks.
 enum class Invalid : std::uint8_t {
   nothing,
   step_not_positive,
@@ -24,13 +24,13 @@ enum class Invalid : std::uint8_t {
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
   node,             // more nodes than there is room for, or one without mass
-  net,  // more nodes or springs than there is room for, a node without mass or of no body, carriers or springs not in order
-  net_attachment,  // more than there is room for, of no node or body, to the node's own carrier, not in order, or negative
+  net,  // too many nodes or springs, a node without mass or body, carriers or springs out of order
+  net_attachment,  // too many, of no node or body, to the node's own carrier, out of order, or negative
   term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
-  not_imposable,  // an imposed joint of a kind without coordinates of its own: free, fixed or ball
+  not_imposable,  // a prescribed joint of a kind without coordinates of its own: free, fixed or ball
 };
 
-/// The rule as a sentence.
+/// Returns the rule as a sentence.
 constexpr const char* text_of(Invalid rule) noexcept {
   switch (rule) {
     case Invalid::nothing: return "all parameters are valid";
@@ -64,7 +64,7 @@ constexpr const char* text_of(Invalid rule) noexcept {
   return "unknown rule";
 }
 
-/// The first rule that a parameter set breaks and the element that breaks it. Stands for the rule in comparisons.
+/// First rule that a parameter set breaks and the element that breaks it. Compares as the rule.
 struct Validity {
   static constexpr std::size_t none = ~std::size_t{0};
   Invalid rule = Invalid::nothing;
@@ -77,7 +77,7 @@ struct Validity {
   // NOLINTNEXTLINE(google-explicit-constructor)
   constexpr operator Invalid() const noexcept { return rule; }
 
-  /// "body 2: the mass must be finite and above 0 kg", ends with a zero.
+  /// Returns a text such as "body 2: the mass must be finite and above 0 kg", zero-terminated.
   constexpr std::array<char, 160> text() const noexcept {
     std::array<char, 160> text{};
     std::size_t end = 0;

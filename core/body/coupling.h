@@ -1,11 +1,11 @@
-// The damped spring of zero length between a body and its target, equation (2).
+// Damped spring of zero length between a body and its target (2).
 #pragma once
 
 #include "core/math/rotation_error.h"
 
 namespace godobject {
 
-/// F = g e_t' + k e_t,  T = g_r (w_D - w_B) + k_r alpha u.
+/// Gains of the spring: F = g e_t' + k e_t,  T = g_r (w_D - w_B) + k_r alpha u.
 template <class T>
 struct SpringParamsOf {
   T k = 0;    // N/m, >= 0
@@ -15,12 +15,12 @@ struct SpringParamsOf {
 };
 using SpringParams = SpringParamsOf<Real>;
 
-/// It does anything: not all gains are zero.
+/// True if any gain is not zero.
 inline bool pulls(const SpringParams& spring) noexcept {
   return spring.k > 0 || spring.g > 0 || spring.k_r > 0 || spring.g_r > 0;
 }
 
-/// The coupling part of a scene. Bodies of the scene without a coupling have all gains zero.
+/// Coupling part of a scene. Bodies without a coupling have zero gains.
 struct DampedSpring {
   using Params = SpringParams;
   template <class T>
@@ -31,7 +31,8 @@ struct DampedSpring {
   using State = StateOf<Real>;
 };
 
-/// (14)  gains during the ramp-up after engaging, s from 0 to 1: the damping ratio g / sqrt(m k) stays.
+/// Returns the gains during the ramp after engaging (14), s from 0 to 1; the damping ratio g / sqrt(m k)
+/// stays constant.
 inline SpringParams ramped(const SpringParams& spring, Real s) noexcept {
   return {.k = s * s * spring.k, .g = s * spring.g, .k_r = s * s * spring.k_r, .g_r = s * spring.g_r};
 }

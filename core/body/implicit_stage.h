@@ -1,14 +1,14 @@
-// One linearly implicit Euler stage of a rigid body on its spring: the kernel of every integrator.
+// Linearly implicit Euler stage of a rigid body on its spring: the kernel of every integrator.
 //
-// It discretises (3), that is Newton-Euler (1) with the coupling (2). A stage starts from a base (pose X^,
-// velocities v^, w^) and finds the velocities v+, w+ with which the body moves for a time h, forces taken at
-// the far end and linearised once:
+// It discretises (3), that is Newton-Euler (1) with the coupling (2). A stage starts from a base: pose X^,
+// velocities v^, w^. It computes the velocities v+, w+ of the motion over a time h, with forces at the end of
+// the stage, linearised once:
 //
 //   (10)  m (v+ - v^)   = h ( F_W + g (v_D - v+) + k (p_D - p^ - h v+) )
 //   (11)  I (w+ - w^)   = h ( T_B + g_r (w_D - w+) + k_r (phi - h J w+) - w x I w )
 //
-// Both are linear in the unknown. However long the step, however stiff the spring, a stage never adds
-// energy while the target rests: docs/theory/stage.md has the proof, tests/core/test_stability.cc the sweep.
+// Both are linear in the unknown. While the target rests, a stage never adds energy, for any step length and
+// stiffness. Proof: docs/theory/stage.md; sweep: tests/core/test_stability.cc.
 #pragma once
 
 #include "core/body/coupling.h"
@@ -16,7 +16,7 @@
 
 namespace godobject {
 
-/// How a body moves during a stage.
+/// Velocities of a body during a stage.
 template <class T>
 struct StageVelocityOf {
   Vector3<T> v_W = Vector3<T>::Zero();
@@ -24,7 +24,7 @@ struct StageVelocityOf {
 };
 using StageVelocity = StageVelocityOf<Real>;
 
-/// x with A x = b, by cofactors: 3 x 3, regular, one division.
+/// Solves A x = b by cofactors. A: 3 x 3, regular; one division.
 template <class T = Real>
 Vector3<T> solve3(const Matrix3<T>& A, const Vector3<T>& b) noexcept {
   const Vector3<T> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
@@ -32,7 +32,7 @@ Vector3<T> solve3(const Matrix3<T>& A, const Vector3<T>& b) noexcept {
   return Vector3<T>(c0.dot(b), c1.dot(b), c2.dot(b)) * T(1 / a0.dot(c0));
 }
 
-/// (10) as M v+ = b, world axes.
+/// Translational system (10) as M v+ = b, world axes.
 template <class T>
 struct TranslationSystemOf {
   T M = 1;
@@ -40,7 +40,7 @@ struct TranslationSystemOf {
 };
 using TranslationSystem = TranslationSystemOf<Real>;
 
-/// (11) as A w+ = b, body axes.
+/// Rotational system (11) as A w+ = b, body axes.
 template <class T>
 struct RotationSystemOf {
   Matrix3<T> A_B = Matrix3<T>::Identity();
@@ -48,7 +48,7 @@ struct RotationSystemOf {
 };
 using RotationSystem = RotationSystemOf<Real>;
 
-/// (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
+/// Returns (m + h g + h^2 k) v+ = m v^ + h (F_W + g v_D + k e).
 template <class T>
 TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, const SpringParamsOf<T>& spring,
                                             const Vector3<T>& v_W, const Vector3<T>& e_W,
@@ -57,7 +57,7 @@ TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, co
   return {.M = m + h * (spring.g + hk), .b_W = m * v_W + h * (F_W + spring.g * v_D) + hk * e_W};
 }
 
-/// Everything in body axes. With L = I w^ the terms of (11), linearised in w+:
+/// Returns the rotational system in body axes. With L = I w^, the terms of (11) linearised in w+ are:
 ///   gyroscopic    w x I w    ->  w+ x L                    (never does work on w+)
 ///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
 ///   spring        log        ->  phi - h J w+,  J = 1 - [phi]x / 2 + c [phi]x^2

@@ -1,5 +1,6 @@
-// Nodes: particles of three coordinates beside the bodies of a scene. What acts on them are gravity, contacts and terms
-// (core/term); in the block system each is an unknown like a body, numbered after all of these.
+// Nodes: particles with three coordinates beside the bodies of a scene. Gravity, contacts and terms
+// (core/term) act on them. In the block system each node is an unknown like a body, numbered after all
+// bodies.
 #pragma once
 
 #include <array>
@@ -12,14 +13,14 @@ struct NodeParams {
   Real m = 0;  // kg, > 0
 };
 
-/// What the integrator keeps of a node that has not moved yet: zero, or nothing.
+/// Returns the initial memory of the integrator for a node: zero or empty.
 template <class Memory>
 Memory no_memory() noexcept {
   if constexpr (std::is_same_v<Memory, Vec3>) return Vec3::Zero();
   else return {};
 }
 
-/// Memory: what the integrator keeps of a node, its acceleration or nothing.
+/// State of a node. Memory: acceleration kept by the integrator, or empty.
 template <class Memory>
 struct NodeStateOf {
   Vec3 p_W = Vec3::Zero();  // m
@@ -34,7 +35,7 @@ Real sum(const NodeStateOf<Memory>& x) noexcept {
   return moves;
 }
 
-/// The nodes part of a scene.
+/// Nodes part of a scene.
 template <std::size_t max_>
 struct NodeList {
   static constexpr std::size_t max = max_;
@@ -44,16 +45,16 @@ struct NodeList {
   };
 };
 
-/// Where a node is, and how it moves.
+/// Position and velocity of a node.
 struct NodeMotion {
   Vec3 p_W = Vec3::Zero(), v_W = Vec3::Zero();
 };
 
-/// The nodes of a scene in a step. Scratch: undefined between steps.
+/// Working storage for the nodes of a scene in a step, undefined between steps.
 template <std::size_t max, class State>
 struct NodeScratch {
   std::array<NodeMotion, max> bases;  // where the stage starts
-  std::array<Vec3, max> velocities;   // what the stage solves for
+  std::array<Vec3, max> velocities;   // solution of the stage
   std::array<State, max> next;        // committed if finite
 };
 

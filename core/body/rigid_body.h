@@ -1,7 +1,4 @@
-// A rigid body: what it is (params) and where it is (state).
-//
-// The room: one body by itself. coupling.h is the damped spring (2) to its target, target.h the target between two samples,
-// implicit_stage.h the body's own part (10), (11) of a stage.
+// A rigid body: parameters and state.
 #pragma once
 
 #include "core/math/so3.h"
@@ -14,13 +11,13 @@ struct RigidBodyParamsOf {
   T m = 1;  // mass, kg, > 0
   Matrix3<T> I_B =
       Matrix3<T>::Identity();  // inertia about the centre of mass, body axes, kg m^2, positive definite
-  // derived, rigid_body() fills them in
+  // derived by rigid_body()
   T anisotropy = 1;                    // sqrt(I_max / I_min): see rho in implicit_rotation
   T max_turn = max_extrapolated_turn;  // rad: how far it may turn in a step of TrBdf2 that extrapolates
 };
 using RigidBodyParams = RigidBodyParamsOf<Real>;
 
-/// The translation lives in the world frame, the rotation in the body frame, where I_B is constant.
+/// State of a body: translation in the world frame, rotation in the body frame, in which I_B is constant.
 template <class T>
 struct RigidBodyStateOf {
   PoseOf<T> X_WB;
@@ -29,7 +26,7 @@ struct RigidBodyStateOf {
 };
 using RigidBodyState = RigidBodyStateOf<Real>;
 
-/// A turn, or as much of it as is half a turn: what exp_so3() takes.
+/// Returns a rotation vector, shortened to half a turn, the limit of exp_so3().
 template <class T = Real>
 Vector3<T> at_most_half_a_turn(Vector3<T> turn) noexcept {
   const T turn_sq = turn.squaredNorm();
@@ -40,7 +37,7 @@ Vector3<T> at_most_half_a_turn(Vector3<T> turn) noexcept {
   return turn;
 }
 
-/// (17)  pose after moving for a time t with constant v_W and w_B. A body turns at most half a turn per step.
+/// Returns the pose after a time t of constant v_W and w_B (17). A body turns at most half a turn per step.
 template <class T = Real>
 PoseOf<T> moved(const PoseOf<T>& X_WB, const Vector3<T>& v_W, const Vector3<T>& w_B,
                 const std::type_identity_t<T>& t) noexcept {

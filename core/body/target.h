@@ -1,11 +1,11 @@
-// The target between two samples of the device.
+// Target between two samples of the device.
 #pragma once
 
 #include "core/math/so3.h"
 
 namespace godobject {
 
-/// Where the device wants the body to be, at one instant.
+/// Pose and velocity that the device demands of a body at one instant.
 template <class T>
 struct TargetOf {
   PoseOf<T> X_WD;
@@ -13,7 +13,7 @@ struct TargetOf {
 };
 using Target = TargetOf<Real>;
 
-/// value q + rate q',  q' = 1/2 (0, w) q.
+/// Returns value q + rate q',  q' = 1/2 (0, w) q.
 template <class T>
 Quaternion<T> scaled_with_rate(const PoseOf<T>& X, const TwistOf<T>& V, Real value, Real rate) noexcept {
   const Vector3<T> u = X.q.vec();
@@ -27,9 +27,9 @@ Quaternion<T> plus(const Eigen::Quaternion<T, Eigen::DontAlign>& a, const Quater
   return {a.w() + b.w(), a.x() + b.x(), a.y() + b.y(), a.z() + b.z()};
 }
 
-/// (15)  target at the fraction s in [0, 1] of the time h between samples a and b: the cubic through both
-/// poses and velocities, fourth order; on quaternions component-wise, then normalised.
-/// a.q and b.q are of one sign (a.q . b.q >= 0).
+/// Interpolates the target (15) at the fraction s in [0, 1] of the time h between samples a and b. Cubic
+/// through both poses and velocities, fourth order; quaternions by component, then normalised. a.q and b.q
+/// must have one sign (a.q . b.q >= 0).
 template <class T>
 TargetOf<T> interpolated(const TargetOf<T>& a, const TargetOf<T>& b, Real s, Real h) noexcept {
   const Real r = 1 - s;

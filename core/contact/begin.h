@@ -1,4 +1,4 @@
-// Contacts where a stage begins, four at a time: their laws, what they carried over, and what the stage knows of them (24).
+// Start of contacts in a stage, four at a time: laws, carried-over memory, and the linearisation (24).
 #pragma once
 
 #include "core/contact/pairs.h"
@@ -6,8 +6,9 @@
 
 namespace godobject {
 
-/// The law of contacts in a stage of length h, e relaxed for so long, of bodies the lighter of which has mass m. Against the
-/// world e may be behind the depth as far as it is.
+/// Returns the law of contacts in a stage of length h.
+/// m: mass of the lighter body. relaxing: time over which e is relaxed, s. on_world: e may be below the depth
+/// without bound.
 template <class Contacts>
 StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing, bool on_world) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
@@ -27,7 +28,7 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing,
           .max_stored_penetration = stored};
 }
 
-/// Up to four near contacts in a row; in lanes that are left the last again.
+/// Up to four consecutive near contacts; unused lanes repeat the last one.
 struct NearFour {
   std::uint32_t size;
   std::array<const NearContact*, 4> of;
@@ -40,11 +41,12 @@ struct NearFour {
   auto all(Member member) const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> decltype(auto) { return (of[j]->*member); });
   }
-  /// 1, and 0 in lanes that are left.
+  /// Returns 1, and 0 in unused lanes.
   Pack live() const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j < size ? 1 : 0; });
   }
-  /// 1 where the normal is off what body a touches, -1 where it is off the body; 0 in lanes that are left.
+  /// Returns 1 where the normal points off the surface that body a touches, -1 where it points off the body,
+  /// 0 in unused lanes.
   Pack sides(std::uint32_t a) const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real {
       return j >= size ? 0 : of[j]->a == a ? 1 : -1;
@@ -52,7 +54,7 @@ struct NearFour {
   }
 };
 
-/// Four laws, number by number.
+/// Returns four laws, number by number.
 template <class F>
 StageLawOf<Pack> each_number(F of) noexcept {
   using Law = StageLawOf<Real>;
@@ -73,8 +75,8 @@ inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noex
       [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
 }
 
-/// The laws of near contacts, law_of(contact): mostly this one, which is `law` in the stage; others are stage_law(law). In
-/// lanes that are left nothing bears.
+/// Returns the laws of near contacts. law_of(contact): its law. mostly: the most frequent law, `law` in the
+/// stage; others are stage_law(law). Contacts in unused lanes carry no force.
 template <class LawOf, class OfStage>
 StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const StageLawOf<Real>& law,
                          LawOf law_of, OfStage stage_law) noexcept {
@@ -89,14 +91,15 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const S
   return gathered(each);
 }
 
-/// (24) of four near contacts at r. side: that of the body whose twist they see, 0 where there is none. Returns what their
-/// springs are found with (38), J. found_deeper, if there is one: set where (35) finds some too deep.
-template <std::size_t max_contacts, class FoundDeeper>
+/// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one.
+/// penetration_jumps: set if some depth is unexplained (35). Returns the energy that their springs start with
+/// (38), J.
+template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,
                                   Recall<max_contacts>& of_step, Recall<max_contacts>& of_stage,
-                                  [[maybe_unused]] FoundDeeper& found_deeper, BegunPack& begun,
-                                  ContactPack& pack) noexcept {
+                                  [[maybe_unused]] PenetrationJumps& penetration_jumps,
+                                  InitialMemoryPack& initial, ContactPack& pack) noexcept {
   const auto past_by = [&](auto& recall) noexcept {
     return gathered({recall.find_or_none(near.of[0]->key), recall.find_or_none(near.of[1]->key),
                      recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
@@ -104,31 +107,35 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   const ContactPastOf<Pack> by_step = past_by(of_step);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
-  // an extrapolation to where the stage starts is measured; what a stage has led into another, unnoticed, is not
+  // extrapolated approach to the start of the stage counts as measured; unnoticed approach within a stage
+  // does not
   const Pack closed = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
-    if constexpr (std::is_same_v<FoundDeeper, bool>) {
-      const auto deeper = are_found_deeper(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
-      found_deeper = found_deeper || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
+    if constexpr (std::is_same_v<PenetrationJumps, bool>) {
+      const auto deeper =
+          are_penetration_jumps(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
+      penetration_jumps =
+          penetration_jumps || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
     }
     return recalled(law, stage, by_step, by_stage, start);
   };
-  const BegunContactOf<Pack> c = stage.goes_on ? begin(past_by(of_stage)) : begin(by_step);
-  begun = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given, .F_n = c.F_n};
+  const InitialContactOf<Pack> c = stage.continues_step ? begin(past_by(of_stage)) : begin(by_step);
+  initial = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given, .F_n = c.F_n};
   set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
   return c.found;
 }
 
-/// What four contacts carry over where the stage ends: those that bear a force, or are deep.
+/// Stores the memory of four contacts at the end of the stage, of active or deep ones.
 template <std::size_t max_contacts>
-GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h, const BegunPack& begun,
-                                  const ContactPack& pack, ContactMemories<max_contacts>& next) noexcept {
+GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
+                                  const InitialMemoryPack& initial, const ContactPack& pack,
+                                  ContactMemories<max_contacts>& next) noexcept {
   const Vector3<Pack> n_W = pack.n * side, F_W = pack.F * side;
   const Pack depth = pack.d_0 - h * pack.n.dot(pack.v);
   const std::uint32_t stay = bits((Pack(0) < n_W.dot(F_W)) | (Pack(0) < depth)) & ((1u << near.size) - 1);
   if (stay == 0) return;
-  const ContactPastOf<Pack> past = carried_over<Pack>(begun, h, n_W, depth, F_W);
+  const ContactPastOf<Pack> past = carried_over<Pack>(initial, h, n_W, depth, F_W);
   const auto xi = columns(past.xi_W), xi_dot = columns(past.xi_dot_W), F = columns(F_W), n = columns(n_W);
   for (std::uint32_t left = stay; left != 0; left &= left - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(left));
@@ -142,7 +149,7 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h
   }
 }
 
-/// Appends those of four contacts that bear a force.
+/// Appends the active contacts of four to the forces.
 template <std::size_t max_contacts>
 void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack,
                  ContactForces<max_contacts>& forces) noexcept {
@@ -156,7 +163,7 @@ void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack
   }
 }
 
-/// (24) of a group of near contacts, four to a pack, from pack `first` on.
+/// Linearises a group of near contacts (24), four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
                           std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
@@ -169,21 +176,21 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   const auto law = [&](const ContactLaw& of) noexcept {
     return stage_law<Contacts>(of, m, h, w.stage.relaxing, on_world);
   };
-  const auto law_of_near = [&](const NearContact& near) noexcept -> const ContactLaw& {
+  const auto law_of_contact = [&](const NearContact& near) noexcept -> const ContactLaw& {
     return law_of(par, near);
   };
   const ContactLaw& mostly = law_of(par, one);
   const StageLawOf<Real> its_law = law(mostly);
   for (std::uint32_t i = group.first; i < group.end; i += 4, ++first) {
     const NearFour near(&w.near.list[i], group.end - i);
-    found += begin_four(near, laws_of(near, mostly, its_law, law_of_near, law), near.sides(one.a),
-                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.found_deeper,
-                        w.begun[first], w.packs[first]);
+    found += begin_four(near, laws_of(near, mostly, its_law, law_of_contact, law), near.sides(one.a),
+                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.penetration_jumps,
+                        w.initial[first], w.packs[first]);
   }
   return first;
 }
 
-/// (24) of the near contacts.
+/// Linearises the near contacts (24).
 template <class Contacts, std::size_t N>
 void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -191,7 +198,7 @@ void begin_contacts(const typename Contacts::Params& par, const typename Contact
   for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
   Pack found = 0;
-  if constexpr (asks_found<Contacts>) w.found_deeper = false;
+  if constexpr (checks_penetration_jumps<Contacts>) w.penetration_jumps = false;
   const auto begin = [&](const NearGroup& group, auto& of) noexcept {
     of.first_pack = packs;
     of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, found, w);

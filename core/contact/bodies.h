@@ -1,9 +1,10 @@
 // Contacts of bodies with the world and among each other.
 //
-// A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite (core/system): the
-// bodies' own blocks, and an effective mass for each pair that touches. It is solved by its factor (31), (33), a tower in
-// one go, however high and stiff; where that has no room, by conjugate gradients (27), (28). The modes of the contacts
-// (open, stick, slip) are found by Newton iterations over that (29), island by island. What they leave is the residual.
+// A stage of all bodies with their contacts (24) is A V = b with A symmetric and positive definite
+// (core/system). A contains the bodies' own blocks, and an effective mass for each pair in contact. It is
+// solved by its factor (31), (33), exactly for a tower of any height and stiffness. If blocks are short,
+// conjugate gradients (27), (28) solve it. Newton iterations find the modes of the contacts (open, stick,
+// slip), island by island (29). Their remaining error is reported as the residual.
 #pragma once
 
 #include "core/contact/begin.h"
@@ -13,15 +14,18 @@
 namespace godobject {
 
 template <class Contacts>
-using SeekingOf = std::conditional_t<Contacts::between_bodies, FrictionAmongBodies, FrictionAgainstTheWorld>;
+using FrictionSearchOf =
+    std::conditional_t<Contacts::between_bodies, FrictionAmongBodies, FrictionAgainstTheWorld>;
 
-template <class Seeking>
+template <class FrictionSearch>
 constexpr Pass pass_of(int iteration) noexcept {
-  if (iteration < Seeking::by_tangent) return Pass::by_tangent;
-  return iteration < Seeking::by_tangent + Seeking::by_secant ? Pass::by_secant : Pass::as_it_was;
+  if (iteration < FrictionSearch::by_tangent) return Pass::by_tangent;
+  return iteration < FrictionSearch::by_tangent + FrictionSearch::by_secant ? Pass::by_secant
+                                                                            : Pass::unchanged;
 }
 
-/// Effective mass and impulse at rest of the packs [first, end). False: none bears a force.
+/// Sums the effective masses and impulses at rest of the packs [first, end). Returns false if no contact is
+/// active.
 template <bool tangents, std::size_t max_packs>
 bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
             SymmetricSpatialMatrix& A, SpatialVector& F) noexcept {
@@ -37,11 +41,11 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   return touches;
 }
 
-/// Adds up the contacts of an island in the modes they are in. all: every one, not those alone whose mode has changed. True:
-/// some pair touches that is not coupled in the system.
+/// Sums the contacts of an island in their modes. all: all contacts, not only those with changed modes.
+/// Returns true if an active pair is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  constexpr bool tangents = SeekingOf<Contacts>::tangents;
+  constexpr bool tangents = FrictionSearchOf<Contacts>::tangents;
   const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
     bool changed = all || tangents;
     for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
@@ -60,7 +64,7 @@ bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<
   return is_new;
 }
 
-/// The system of an island: who is in it and who acts on whom.
+/// Builds the sparsity pattern of an island: its unknowns and the pairs they couple.
 template <class Contacts, std::size_t N>
 void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.clear();
@@ -78,7 +82,8 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   order(w.system);
 }
 
-/// first: of the Newton iterations. The terms of the system of an island: stages (10), (11), (34), contacts (24), stops (19).
+/// Loads the system of an island: stages (10), (11), (34), contacts (24), stops (19). first: true in the
+/// first Newton iteration.
 template <class Contacts, std::size_t N>
 void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Island& island,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -104,30 +109,30 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
   }
 }
 
-/// Forces of the contacts of an island at the velocities of their points, and their modes in the next iteration. True:
-/// the forces obey the law.
-template <class Seeking, class Contacts, std::size_t N>
-bool settle_contacts(int iteration, [[maybe_unused]] Real h, const Island& island,
-                     BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
-  const Real F_small = Seeking::friction_left_alone * most.F_n();
+/// Evaluates the contact forces of an island at the velocities of its contact points and updates the modes
+/// for the next iteration. Returns true if the forces obey the law.
+template <class FrictionSearch, class Contacts, std::size_t N>
+bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& island,
+                          BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
+  const Real F_small = FrictionSearch::min_friction_change * most.F_n();
   most = {};
-  const Pass next = pass_of<Seeking>(iteration + 1);
+  const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
   [[maybe_unused]] bool turned = false;  // friction given along a slip (50) does work on it
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
     if constexpr (std::is_same_v<V, PackVelocity>) {
       turned = turned || is_turned_round(c);
-      settle<true>(c, next, F_small, most, slip_ahead(v.number, h, w.net));
-    } else settle<Seeking::tangents>(c, next, F_small, most);
+      update_modes<true>(c, next, F_small, most, predicted_slip(v.number, h, w.net));
+    } else update_modes<FrictionSearch::tangents>(c, next, F_small, most);
     changed = changed || c.changed;
   });
   const Real F_n = most.F_n();
-  const bool normal = !turned && most.normal() <= Seeking::normal_tolerance(iteration) * F_n;
-  if (next == Pass::as_it_was) return normal || !changed;
-  return normal && most.friction() <= Seeking::friction_tolerance(iteration) * F_n;
+  const bool normal = !turned && most.normal() <= FrictionSearch::normal_tolerance(iteration) * F_n;
+  if (next == Pass::unchanged) return normal || !changed;
+  return normal && most.friction() <= FrictionSearch::friction_tolerance(iteration) * F_n;
 }
 
-/// V = A^-1 b of the system that is loaded; nothing is left of r.
+/// Solves A V = b with the complete factor and sets the residual r to zero.
 template <class Contacts, std::size_t N>
 void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.each([&](std::uint32_t u) noexcept {
@@ -137,23 +142,25 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
   factorize_and_solve(w.system, w.x.Ap, w.x.V);
 }
 
-/// When the iterations of a coupled system are to end.
+/// Termination criteria of the iterations of a coupled system.
 struct Solving {
   bool has_contacts = false;
   int most_iterations = 0;              // in all Newton iterations
   Real tolerance = velocity_tolerance;  // m/s
 
-  /// In the next Newton iteration, after so many: a part of what is left, as contacts may leave their modes.
+  /// Returns the limit for the next Newton iteration: a share of the remaining iterations, because contacts
+  /// may change their modes afterwards.
   int allowed(int iterations) const noexcept {
     const int left = most_iterations - iterations;
-    return has_contacts ? (left + iteration_parts - 1) / iteration_parts : left;
+    return has_contacts ? (left + net_iteration_divisor - 1) / net_iteration_divisor : left;
   }
 };
 
-/// A residual as a share of the largest normal force. Contacts that bear nothing have none.
+/// Returns a residual as a share of the largest normal force; zero without contact forces.
 inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residual / F_n : 0; }
 
-/// Keeps the impulses that bodies of an island move by beyond their contacts' forces, unless their joints bear them.
+/// Stores the impulses on bodies of an island beyond their contact forces, as far as joints do not carry
+/// them.
 template <class Contacts, std::size_t N>
 void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.is_unbalanced = true;
@@ -164,15 +171,15 @@ void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) n
   });
 }
 
-/// The velocities of the bodies of an island; V_0: those they are predicted to have.
+/// Solves for the velocities of the bodies of an island. V_0: predicted velocities.
 template <class System, class Contacts, std::size_t N>
 GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving& how, System& system,
                                     BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
-  using Seeking = std::conditional_t<System::is_coupled, FrictionOnNets, SeekingOf<Contacts>>;
+  using FrictionSearch = std::conditional_t<System::is_coupled, FrictionOnNets, FrictionSearchOf<Contacts>>;
   ContactResidual most;
   each_pack(x.V_0, island, w,
-            [](ContactPack& c, const auto& V) noexcept { foresee<Seeking::tangents>(c, V); });
+            [](ContactPack& c, const auto& V) noexcept { predict<FrictionSearch::tangents>(c, V); });
   constexpr int most_iterations = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
@@ -186,9 +193,9 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       solve_complete(w);
       left = 0;
     } else {
-      const bool seeks = pass_of<Seeking>(newton_iterations) != Pass::as_it_was;
+      const bool searches = pass_of<FrictionSearch>(newton_iterations) != Pass::unchanged;
       const int allowed = System::is_coupled ? how.allowed(iterations)
-                          : seeks            ? max_cg_iterations_seeking
+                          : searches         ? max_cg_iterations_searching
                                              : max_cg_iterations;
       factorize(w.system);
       const Iterated taken = iterate(allowed, how.tolerance, system, x, [&](auto u, const auto& V) noexcept {
@@ -197,19 +204,19 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       converged = taken.converged;
       iterations += taken.iterations;
       if constexpr (System::is_coupled) compute_residual(system, x);
-      left = largest_left(system, w);
+      left = largest_residual(system, w);
     }
     if (move_contacts(island, w)) {
-      // those predicted solve nothing that could be lost
+      // predicted velocities solve no system, so nothing is lost by leaving them
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
     }
-    done = settle_contacts<Seeking>(newton_iterations, h, island, w, most);
+    done = update_contact_modes<FrictionSearch>(newton_iterations, h, island, w, most);
     if constexpr (System::is_coupled) {
       w.net.is_solved = done && converged;
       done = w.net.is_solved || iterations >= how.most_iterations;
     } else {
-      done = done && left <= Seeking::normal_tolerance(newton_iterations) * h * most.F_n();
+      done = done && left <= FrictionSearch::normal_tolerance(newton_iterations) * h * most.F_n();
     }
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
   }
@@ -231,18 +238,18 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
   w.report.iterations = std::max(w.report.iterations, iterations);
 }
 
-/// The velocities of all bodies that touch anything; V_0: those they are predicted to have. net: NetInput, or nothing.
+/// Solves for the velocities of all bodies in contact. V_0: predicted velocities. net: NetInput or None.
 template <class Contacts, std::size_t N, class... Net>
 void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                     std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w,
                     const Net&... net) noexcept {
   // (12), (13)
-  w.finder.of_stage = w.stage.goes_on ? &w.memories[w.last] : nullptr;
+  w.finder.of_stage = w.stage.continues_step ? &w.memories[w.last] : nullptr;
   w.finder.extrapolated = w.stage.t_0 > 0 && !w.stage.is_euler ? w.stage.t_0 + w.stage.t_1 : 0;
   find_contacts(par, before, num_bodies, h, w.finder, w.near);
   (find_net_contacts(par, net, num_bodies, w), ...);
   find_pairs(num_bodies, w);
-  const ContactReport stages_before = w.stage.goes_on ? w.report : ContactReport{};
+  const ContactReport stages_before = w.stage.continues_step ? w.report : ContactReport{};
   w.report = {.num_near = w.near.size, .found = w.stage.found};
   if constexpr (Contacts::between_bodies) {
     w.is_unbalanced = false;
@@ -259,7 +266,8 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
   (solve_net(h, net, w), ...);
 }
 
-/// The contact forces of packs [first, end) on their body, about its centre of mass; what they say goes into the report.
+/// Returns the sum of the contact forces of packs [first, end) on their body, about its centre of mass, and
+/// adds them to the report.
 template <class Contacts, std::size_t N>
 SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
                          BodyContactScratch<Contacts, N>& w) noexcept {
@@ -277,8 +285,8 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
   return {.w = sum(tau[0], tau[1], tau[2]), .v = sum(f[0], f[1], f[2])};
 }
 
-/// Adds what moves bodies beyond the forces that their contacts have by (22), (23) to the wrenches and forces that are reported: so
-/// these are the momentum that bodies get.
+/// Adds the impulses on bodies beyond their contact forces (22), (23) to the reported wrenches and forces,
+/// which then equal the change of momentum.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   std::array<Vec3, N> missing;
@@ -290,7 +298,7 @@ template <class Contacts, std::size_t N>
   pass_on(missing, w);
 }
 
-/// What the contacts carry over, and what they say.
+/// Stores the contact memory and completes the report.
 template <class Contacts, std::size_t N>
 void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   w.last = 1 - w.last;
@@ -318,7 +326,7 @@ void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
       const NearFour near(&w.near.list[i], group.end - i);
       const Pack sides = near.sides(a);
-      carry_over(near, sides, h, w.begun[first_pack], w.packs[first_pack], next);
+      carry_over(near, sides, h, w.initial[first_pack], w.packs[first_pack], next);
       add_bearing(near, sides, w.packs[first_pack], w.forces);
     }
   }

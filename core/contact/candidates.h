@@ -1,4 +1,4 @@
-// What is near what: the contacts that a stage may have.
+// List of near contacts of a stage.
 #pragma once
 
 #include "core/contact/contact.h"
@@ -8,10 +8,11 @@
 
 namespace godobject {
 
-/// What is near a surface, or another sphere or edge, where a stage is predicted to end or where it starts.
+/// Near contact of a sphere or edge with a surface, sphere or edge, at the predicted end of a stage or at its
+/// start.
 struct NearContact {
   std::uint64_t key = 0;
-  std::uint32_t of = 0, on = 0;  // numbers of what is near what: surfaces, then spheres
+  std::uint32_t of = 0, on = 0;  // numbers of both sides: surfaces, then spheres
   std::uint32_t a = 0, b = 0;    // their bodies
   Real d = 0;                    // depth, m; < 0: apart
   Real v_n = 0;                  // how fast it opens, m/s
@@ -24,12 +25,12 @@ struct NearContact {
   }
 };
 
-/// The list of a stage.
+/// List of near contacts of a stage.
 template <std::size_t max_contacts>
 using NearContacts =
     BoundedList<NearContact, max_contacts, NearContact::is_deeper, NearContact::comes_before>;
 
-/// The law of a contact.
+/// Returns the law of a contact.
 template <std::size_t max_spheres, std::size_t max_surfaces>
 const ContactLaw& law_of(const ContactParams<max_spheres, max_surfaces>& par,
                          const NearContact& near) noexcept {

@@ -1,13 +1,11 @@
-// Penalty contacts of spheres: their law, and what a scene says about them. d: depth; v: velocity of the contact point
-// against the surface, n off the surface; xi: its drag since it stuck; e: the rest penetration, offset of the contact
-// spring, with which bodies begin that are put into each other (e = d), and which is relaxed at the depenetration velocity.
+// Penalty contacts of spheres: law and parameters.
 //
 //   (22)  F_n = max(k (d - e) - c v_n, 0) where d > 0
 //   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
 //
-// The room: memory.h is what a contact carries over, find/ the search, candidates.h what it lists, stage.h four contacts in
-// a stage, pairs.h, islands.h and jointed_bodies.h who touches whom, line_search.h and unbalanced.h Newton's method,
-// bodies.h all of a step. What contacts couple is solved in core/system.
+// d: depth, m. v: velocity of the contact point against the surface, m/s, n off the surface. xi: drag of the
+// contact point since it stuck, m. e: rest penetration, offset of the contact spring, m. Bodies that start
+// inside each other begin with e = d; it is relaxed at the depenetration velocity.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +19,8 @@
 
 namespace godobject {
 
-/// The law of a pair of materials: what one sphere's contact does. Spheres that share a load add up their stiffness.
+/// Law of a pair of materials, for the contact of one sphere. The stiffness of spheres that share a load adds
+/// up.
 struct ContactLaw {
   Real k = 0;            // N/m
   Real c = 0;            // N s/m
@@ -43,14 +42,15 @@ struct BodySphere {
   MaterialId material = 0;
 };
 
-/// What spheres touch: an obstacle of the world, or a shape fixed on a body.
+/// Surface touched by spheres: an obstacle of the world, or a shape fixed on a body.
 struct Surface {
   std::size_t body = world;
   ShapeParams shape;  // its X_WS is against the body if it has one
   MaterialId material = 0;
 };
 
-/// Constant while running. Spheres are in the order of their bodies; so are surfaces, those of the world first.
+/// Parameters, constant during a run. Spheres are in the order of their bodies; so are surfaces, those of the
+/// world first.
 template <std::size_t max_spheres_, std::size_t max_surfaces_>
 struct ContactParams {
   std::array<BodySphere, max_spheres_> spheres;
@@ -62,9 +62,9 @@ struct ContactParams {
   const ContactLaw& law(MaterialId a, MaterialId b) const noexcept { return laws[a][b]; }
 };
 
-/// What a step says of the contacts of the scene.
+/// Report of a step on the contacts of the scene.
 struct ContactReport {
-  // where the step's last stage ends
+  // at the end of the step's last stage
   std::size_t num_contacts = 0;  // that bear a force
   std::size_t num_near = 0;      // listed
   Real deepest = 0;              // depth of the deepest sphere, m
@@ -77,9 +77,10 @@ struct ContactReport {
   int num_stopped = 0;        // islands whose Newton iterations were stopped before they converged
   // of the step
   Real found =
-      0;  // what contact springs were found with where stages began, beyond what they were left with, J
+      0;  // energy of contact springs at the start of stages in excess of that at the end of the previous
+          // ones, J
 
-  /// What of it is of the step's worst stage: that of the stages before was `before`.
+  /// Combines the report with `before`, that of the previous stages, for quantities of the worst stage.
   void cover(const ContactReport& before) noexcept {
     newton_iterations = std::max(newton_iterations, before.newton_iterations);
     iterations = std::max(iterations, before.iterations);
@@ -90,7 +91,8 @@ struct ContactReport {
   }
 };
 
-/// And of one body: the sum of its contact forces, about its centre of mass, world axes. Of Output: mean over the step.
+/// Sum of the contact forces of one body, about its centre of mass, world axes. In Output: mean over the
+/// step.
 struct ContactWrench {
   Wrench F_W;
 };

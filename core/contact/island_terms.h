@@ -1,12 +1,12 @@
-// The terms of a scene (core/term) in a stage: where they begin, and their way into the systems of the islands.
+// Terms of a scene (core/term) in a stage: linearisation, and loading into the systems of the islands.
 #pragma once
 
 #include "core/contact/line_search.h"
 
 namespace godobject {
 
-/// The terms where the stage is predicted to end, for velocities against V_p where bodies are on joints, and the graph's
-/// edges.
+/// Linearises the terms at the predicted end of the stage, for velocities relative to V_p of jointed bodies,
+/// and adds the graph's edges.
 template <class Contacts, std::size_t N>
 void begin_terms(const typename Contacts::Terms::Params& par, Real h,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -30,7 +30,7 @@ void begin_terms(const typename Contacts::Terms::Params& par, Real h,
   });
 }
 
-/// f(kind, edge, stage) of the terms of an island.
+/// Calls f(kind, edge, stage) for the terms of an island.
 template <class Contacts, std::size_t N, class F>
 void each_term(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   if constexpr (Contacts::max_terms > 0) {
@@ -42,7 +42,7 @@ void each_term(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
   }
 }
 
-/// Says whom the terms of an island couple.
+/// Declares the couplings of an island's terms.
 template <class Contacts, std::size_t N>
 void couple_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   each_term(island, w, [&](auto, TermEdge& edge, const auto&) noexcept {
@@ -57,7 +57,7 @@ void load_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexce
   });
 }
 
-/// f(u, impulse on u about its centre of mass) of all terms at the velocities that are solved for.
+/// Calls f(u, impulse on u about its centre of mass) for all terms at the solved velocities.
 template <class Contacts, std::size_t N, class F>
 void each_term_impulse(BodyContactScratch<Contacts, N>& w, F f) noexcept {
   if constexpr (Contacts::max_terms > 0)

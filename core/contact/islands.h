@@ -1,4 +1,4 @@
-// Bodies that touch, in pairs, and the islands that these and joints make of them.
+// Pairs of bodies in contact, and the islands formed by contacts and joints.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace godobject {
 
-/// Bodies that touch, and what their contacts are together: an effective mass and an impulse at rest for the twist of
-/// the child against the parent, where the child's centre of mass is.
+/// Pair of bodies in contact, and the sum of its contacts: effective mass and impulse at rest. Both for the
+/// twist of the child against the parent, at the child's centre of mass.
 struct TouchingPair {
   std::uint32_t child = 0, parent = 0;
   std::uint32_t first_pack = 0, end_pack = 0;
@@ -22,20 +22,21 @@ struct TouchingPair {
   SpatialVector F;
 };
 
-/// A body among those that touch. Scratch: undefined between steps.
+/// Body in the graph of contacts. Undefined between steps.
 struct TouchingBody {
   std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
   SymmetricSpatialMatrix A;                    // effective mass of these
   SpatialVector F;                             // impulse of these at rest
 };
 
-/// Bodies that are near each other, and to none but these: a system of its own. Ranges of the order of TouchingGraph.
+/// Island: bodies near each other and near no others, a system of its own. Ranges in the order of
+/// TouchingGraph.
 struct Island {
   std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
   bool has_terms = false, has_net = false;
 };
 
-/// Scratch: undefined between steps.
+/// Graph of bodies in contact, undefined between steps.
 template <std::size_t N, std::size_t max_pairs, bool jointed_ = false, std::size_t max_terms = 0>
 struct TouchingGraph {
   static constexpr bool jointed = jointed_, has_terms = max_terms > 0;
@@ -52,7 +53,7 @@ struct TouchingGraph {
   [[no_unique_address]] std::conditional_t<has_terms, std::array<TermEdge, max_terms>, Absent<19>> terms;
   std::uint32_t num_terms = 0;
 
-  /// f(body's number, body), f(pair) of all of an island.
+  /// Calls f(body's number, body), f(pair) for all of an island.
   template <class F>
   void each_body(const Island& island, F f) noexcept {
     for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
@@ -63,7 +64,7 @@ struct TouchingGraph {
       for (std::uint32_t k = island.first_pair; k < island.end_pair; ++k) f(pairs[pair_order[k]]);
   }
 
-  /// That body of an island which is joined to itself.
+  /// Returns the root of a body in the union-find forest.
   std::uint32_t root_of(std::uint32_t i) noexcept {
     while (joined_to[i] != i) i = joined_to[i] = joined_to[joined_to[i]];
     return i;
@@ -93,8 +94,8 @@ void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, ma
   }
 }
 
-/// The islands, each with its bodies and pairs. touches[i]: body i touches anything.
-/// join_more(): joins what else acts on each other.
+/// Builds the islands, each with its bodies and pairs. touches[i]: body i touches anything. join_more():
+/// joins by further couplings.
 template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms, class JoinMore>
 void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
                   TouchingGraph<N, max_pairs, jointed, max_terms>& w, JoinMore join_more) noexcept {
@@ -112,7 +113,7 @@ void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
     w.islands[w.num_islands] = {};
     w.island_of[i] = static_cast<std::uint32_t>(w.num_islands++);
   }
-  // how many of each, where they begin, and who they are
+  // count, then start, then members of each island
   for (std::uint32_t i = 0; i < num_bodies; ++i)
     if (!is_alone(i)) ++w.island_with(i).end_body;
   if constexpr (max_pairs > 0)

@@ -1,8 +1,8 @@
-// Bodies on joints that touch other bodies: what their joints are in a stage, and what they bear.
+// Jointed bodies in contact with other bodies: their joints in a stage, and the joint wrenches.
 //
-// The joints ask for L V = L beta (18). V_p is what obeys that with the roots at rest and no motion along the axes, and
-// the stage is solved (30) for W = V - V_p: it obeys L W = 0, and (33) holds for it as it stands. The bodies' equations
-// then have b - A V_p, and the contact points the velocities of V_p to begin with.
+// Joints require L V = L beta (18). V_p satisfies it with roots at rest and no motion along the axes. The
+// stage is solved (30) for W = V - V_p: it obeys L W = 0, and (33) holds for it unchanged. The bodies'
+// equations then have the right side b - A V_p, and the contact points have the initial velocities of V_p.
 #pragma once
 
 #include "core/contact/island_terms.h"
@@ -12,13 +12,13 @@
 
 namespace godobject {
 
-/// The contacts of a scene whose bodies are on joints as well.
+/// Contact part of a scene with jointed bodies.
 template <class Contacts>
 struct OnJoints : Contacts {
   static constexpr bool jointed = true;
 };
 
-/// The joints of bodies that touch, in a stage. Scratch: undefined between steps.
+/// Joints of bodies in contact, in a stage. Undefined between steps.
 template <std::size_t N, class Joints>
 struct TouchingJoints : JointsInStage<N, Joints> {
   struct Node {
@@ -27,7 +27,7 @@ struct TouchingJoints : JointsInStage<N, Joints> {
   std::array<Node, N> nodes;
 };
 
-/// The same with its anchor at a_W.
+/// Returns the place with its anchor at a_W.
 inline TreePlace anchored(const TreePlace& at, const Vec3& a_W) noexcept {
   return {.p_W = at.p_W,
           .R_WB = at.R_WB,
@@ -35,7 +35,7 @@ inline TreePlace anchored(const TreePlace& at, const Vec3& a_W) noexcept {
           .V = {.w = at.V.w, .v = at.V.v + at.V.w.cross(a_W - at.a_W)}};
 }
 
-/// The axes of a joint.
+/// Sets the axes of a joint.
 template <int turns, int slides>
 void set_axes(const JointMotion<turns, slides>& m, JointEdge& edge) noexcept {
   edge.num_turns = turns;
@@ -48,7 +48,8 @@ void set_axes(const JointMotion<turns, slides>& m, JointEdge& edge) noexcept {
   for (const Vec3& s : m.slide) edge.s[k++] = Column(s);
 }
 
-/// (19) of the coordinates q, at the rates predicted; the stage solves for the rates beyond those.
+/// Sets the terms of stops (19) at the coordinates q and predicted rates; the stage solves for the rates
+/// beyond those.
 template <int turns, int slides>
 void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, slides>& m,
                const JointCoordinates& q, const Twist& beta, Real h, JointEdge& edge) noexcept {
@@ -64,7 +65,7 @@ void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, 
   }
 }
 
-/// The joints of an island's bodies, which are unknowns of its system already, and the stops of these as terms: the
+/// Adds the joints of an island's bodies, already unknowns of its system, and their stops as terms: the
 /// effective mass D e e^T of the child against the parent, e the wrench on a coordinate.
 template <class Contacts, std::size_t N>
 void add_bodies_to_parents(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -101,7 +102,8 @@ void add_stops(const Island& island, BodyContactScratch<Contacts, N>& w) noexcep
   });
 }
 
-/// f(impulse on body i, about its centre of mass) of each stop of its joint, were the coordinate at rest.
+/// Calls f(impulse on body i, about its centre of mass) for each stop of its joint, with the coordinate at
+/// rest.
 template <std::size_t N, class F>
 void each_stop(std::size_t i, const JointEdges<N>& joints, F f) noexcept {
   const JointEdge& edge = joints.edges[i];
@@ -109,19 +111,20 @@ void each_stop(std::size_t i, const JointEdges<N>& joints, F f) noexcept {
     f(axis_wrench(edge, k, joints.p[i]) * edge.stop_b[static_cast<std::size_t>(k)]);
 }
 
-/// How the anchor of a body moves against its parent: what the joint takes back, and what it allows as predicted.
+/// Motion of a body's anchor against its parent: correction of the violation, and predicted motion along the
+/// axes.
 struct JointTwists {
   Twist across, along;
 };
 
-/// Axes and stops of the joint of body i.
+/// Sets axes and stops of the joint of body i.
 template <class Joints, std::size_t N>
 JointTwists set_edge(const typename Joints::Params& par, JointsInStage<N, Joints>& tree, std::size_t i,
                      const JointAt& now, Real h, JointEdge& edge) noexcept {
   using Stabilisation = typename Joints::Stabilisation;
   static_assert(!Stabilisation::uses_base, "bodies that touch have their joints at the prediction");
   JointTwists twists;
-  with_motion<Joints>(par, tree.led, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
+  with_motion<Joints>(par, tree.prescribed_q, i, [&]([[maybe_unused]] auto kind, auto motion) noexcept {
     const auto m = motion(now.X);
     const Twist beta = Stabilisation::beta(m, now.V, par.C.p.squaredNorm(), h), V_across = across(m, now.V);
     set_axes(m, edge);
@@ -137,9 +140,9 @@ JointTwists set_edge(const typename Joints::Params& par, JointsInStage<N, Joints
   return twists;
 }
 
-/// (21), (40)  Into the stages of the bodies of joint i, and into its edge. V_P: the parent's predicted twist; V_rel: of the joint.
-/// touched: something bore a contact in
-/// the step before. What joints bear jumps then, and the pull along their levers alone is taken.
+/// Adds the geometric stiffness (21), (40) to the stages of the bodies of joint i and to its edge. V_P:
+/// predicted twist of the parent. V_rel: predicted twist of the joint. touched: true if a contact was active
+/// in the previous step; joint forces then jump, and only the pull along the levers is used.
 template <class Contacts, std::size_t N>
 void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Twist& V_rel, const Wrench& F_C, Real h,
              bool touched, bool& is_stiff, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -167,7 +170,8 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Twist& V_rel
   });
 }
 
-/// The joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and what tension and stops are to stages.
+/// Begins the joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and the effect of tension
+/// and stops on the stages.
 template <Scene S, class Contacts>
 void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool touched, Real h,
                  TouchingJoints<S::max_bodies, typename S::Joints>& tree,
@@ -178,13 +182,13 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
   const TreePlace P = edge.on_body() ? w.finder.at[parent] : TreePlace{};
   const JointAt now = joint_at(par.bodies[i].joint, P, anchored(w.finder.at[i], edge.a_W.vec()));
   const JointTwists twists = set_edge<typename S::Joints>(par.bodies[i].joint, tree, i, now, h, edge);
-  const auto hung = [&](const auto& V, const Twist& rel) noexcept {
+  const auto relative_motion = [&](const auto& V, const Twist& rel) noexcept {
     SpatialVector V_C{.w = Column(rel.w), .v = Column(rel.v)};
     if (edge.on_body()) V_C = V_C + shifted(V[parent], edge.a_W - all.p[parent]);
     return shifted(V_C, all.p[i] - edge.a_W);
   };
-  all.V_p[i] = hung(all.V_p, twists.across);
-  w.x.V_0[i] = hung(w.x.V_0, twists.along);
+  all.V_p[i] = relative_motion(all.V_p, twists.across);
+  w.x.V_0[i] = relative_motion(w.x.V_0, twists.along);
   all.joined[i] = true;
   if (edge.on_body()) {
     all.joined[parent] = true;
@@ -197,8 +201,8 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
   });
 }
 
-/// The joints where the stage is predicted to end, and the bodies' stages for V - V_p. first: their forces (21) are those of
-/// the step before, otherwise those of the solve before.
+/// Begins the joints at the predicted end of the stage, and the bodies' stages for V - V_p. first: use the
+/// joint forces (21) of the previous step, otherwise of the previous solve.
 template <Scene S, class Contacts>
 void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
                   TouchingJoints<S::max_bodies, typename S::Joints>& tree,
@@ -231,7 +235,7 @@ void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
     if (all.joined[i]) w.stages[i].b -= times(w.stages[i], all.V_p[i]);
 }
 
-/// The contact points of an island begin with the velocities of V.
+/// Moves the contact points of an island to the velocities V.
 template <class Contacts, std::size_t N>
 void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island& island,
                     BodyContactScratch<Contacts, N>& w) noexcept {
@@ -244,8 +248,8 @@ void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island&
   });
 }
 
-/// Adds what moves tools that hang on nothing beyond their contacts to these, at a body of each, which passes it on. F: impulses
-/// that bodies get beyond their contacts, which are fewer then.
+/// Adds the impulses on tools without a fixed root, beyond their contact forces, to these, at one body of
+/// each tool, which transfers them. F: impulses on bodies beyond their contacts, reduced accordingly.
 template <class Contacts, std::size_t N, class Impulses>
 [[gnu::noinline]] void report_unbalanced_tools(std::size_t num_bodies, Real h, Impulses& F,
                                                BodyContactScratch<Contacts, N>& w) noexcept {
@@ -278,8 +282,8 @@ template <class Contacts, std::size_t N, class Impulses>
     if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i]) * h));
 }
 
-/// V from V - V_p, and the wrenches that the joints bear: what a body's motion asks for beyond its contacts, and all that
-/// hangs on it.
+/// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts, plus
+/// those of its descendants.
 template <Scene S, class Contacts>
 void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w,
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {

@@ -1,12 +1,12 @@
-// How far a Newton iteration goes. With the friction of each contact as it was solved for, an island's stage is the least
-// value of
+// Line search of a Newton iteration. With the friction of each contact at its solved value, an island's stage
+// is the minimum of
 //
 //   (29)  E(V) = V^T A V / 2 - V^T b + h sum max(F_0 - eta_n v_n, 0)^2 / (2 eta_n)
 //
-// A and b without the normal forces: E is convex, and an iteration is a step of Newton's method. Where it changes the
-// modes of contacts (open, stick, slip) it is taken only as far as E falls, so iterations cannot go round in a circle;
-// and then to the multiple of V where E is least: there V^T dE/dV = 0, the balance of energy with the forces of the law
-// itself, whatever modes were assumed.
+// A and b without the normal forces: E is convex, and an iteration is a step of Newton's method. If it
+// changes the modes of contacts (open, stick, slip), it is shortened to the minimum of E, so that iterations
+// cannot cycle. Then V is scaled to the least E: there V^T dE/dV = 0, the energy balance with the exact law,
+// for any assumed modes.
 #pragma once
 
 #include "core/contact/unbalanced.h"
@@ -14,8 +14,8 @@
 
 namespace godobject {
 
-/// f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island. Those of nets are
-/// among them where V has their nodes.
+/// Calls f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island;
+/// with those of nets if V has their nodes.
 template <class Velocities, class Contacts, std::size_t N, class F>
 void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
@@ -34,8 +34,8 @@ void each_pack(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
   each_pack(w.x.V, island, w, [&](ContactPack& c, const auto&) noexcept { f(c); });
 }
 
-/// The slope of E along a line in velocities, at t: slope + t curvature with the modes that were solved for, and what
-/// the law says of the contacts that leave theirs.
+/// First and second derivative of E along the search direction at step length t, using the exact law for
+/// contacts that change mode.
 struct LineSlope {
   Real slope = 0, curvature = 0;
 };
@@ -46,65 +46,64 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
     const LinePack& c = packs.list[i];
     const Pack F_n = c.F_n - c.by * t;
     slope += (c.touching * F_n - max(F_n, Pack(0))) * c.v_n;
-    curvature += (case_of(F_n) - c.touching) * c.by * c.v_n;
+    curvature += (mode_of(F_n) - c.touching) * c.by * c.v_n;
   }
   return {.slope = line.slope + t * line.curvature + h * total(slope),
           .curvature = line.curvature + h * total(curvature)};
 }
 
-/// The contacts of an island that leave their modes on the line from 0 to `most`, at the normal velocities
+/// Lists the contacts of an island that change their modes for step lengths in [0, most]. Normal velocities:
 /// from(pack) + t by(pack).
 template <class Contacts, std::size_t N, class From, class By>
-void find_leaving(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
-                  By by) noexcept {
+void find_mode_changes(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
+                       By by) noexcept {
   w.line.size = 0;
   each_pack(island, w, [&](const ContactPack& c) noexcept {
     const Pack v_n = by(c), F_n = c.F_0 - c.eta_n * from(c), F_by = c.eta_n * v_n;
-    if (differ(case_of(F_n), c.touching) || differ(case_of(F_n - F_by * most), c.touching))
+    if (differ(mode_of(F_n), c.touching) || differ(mode_of(F_n - F_by * most), c.touching))
       w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .touching = c.touching};
   });
 }
 
-/// Where the slope, which never falls, comes to -enough, or nearer to zero, but not above: between 0, where it is below,
-/// and `most` >= 1. By Newton's method from 1, which ends where no contact changes its mode any more, within what is
-/// known to hold the zero.
+/// Finds t in [0, most] with -tolerance <= dE/dt <= 0 by Newton's method safeguarded with bisection. dE/dt is
+/// monotone because E is convex. Newton starts at 1, and most >= 1.
 template <class Slope>
-Real where_flat(Real most, Real enough, Slope slope_at) noexcept {
+Real exact_line_search(Real most, Real tolerance, Slope slope_at) noexcept {
   Real lo = 0, hi = most, t = 1;
   for (int k = 0; k < max_line_steps; ++k) {
     const LineSlope at = slope_at(t);
     if (at.slope <= 0) {
       lo = t;
-      if (at.slope >= -enough || t == most) break;
+      if (at.slope >= -tolerance || t == most) break;
     } else {
       hi = t;
     }
-    t -= (at.slope + line_aim * enough) / at.curvature;
+    t -= (at.slope + line_aim * tolerance) / at.curvature;
     if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
   }
   return lo;
 }
 
-/// Some contact is not in the mode that was solved for.
-inline bool has_left_its_case(const ContactPack& c) noexcept {
-  return differ(case_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
+/// True if a contact is not in the mode that was solved for.
+inline bool has_changed_mode(const ContactPack& c) noexcept {
+  return differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
 }
 
-/// The velocities of the contact points at V; those normal to the surfaces at V_0 in v_n_0. True: some have left their
-/// modes.
+/// Computes the velocities of the contact points at V, and stores their normal velocities at V_0 in v_n_0.
+/// Returns true if a contact has changed its mode.
 template <class Contacts, std::size_t N>
 bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool differs = false;
   each_pack(w.x.V, island, w, [&](ContactPack& c, const auto& V) noexcept {
     c.v_n_0 = c.n.dot(c.v);
     move(c, V);
-    differs = differs || has_left_its_case(c);
+    differs = differs || has_changed_mode(c);
   });
   return differs;
 }
 
-/// V on the way from V_0 to V where (29) is least. A V_0 = AV_0 and A V = b - r, with the modes that were solved for;
-/// so it is after.
+/// Moves V along the line from V_0 to V to the least E (29). A V_0 = AV_0 and A V = b - r hold, with the
+/// modes that were solved for, before and after.
 template <class System, class Contacts, std::size_t N>
 void search_line(Real h, const Island& island, const System& system,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -116,12 +115,12 @@ void search_line(Real h, const Island& island, const System& system,
     slope.add(d, x.AV_0[u] - b[u]);
     end.add(d, x.r[u]);
   });
-  find_leaving(
+  find_mode_changes(
       1, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
       [](const ContactPack& c) noexcept { return c.n.dot(c.v) - c.v_n_0; });
   const LineSlope line{.slope = slope, .curvature = -end - slope};
-  const Real t =
-      where_flat(1, line_tolerance * -slope, [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
+  const Real t = exact_line_search(1, line_tolerance * -slope,
+                                   [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
   if (t == 1) return;
   system.each([&](auto u) noexcept {
     x.V[u] = x.V_0[u] + (x.V[u] - x.V_0[u]) * t;
@@ -130,7 +129,7 @@ void search_line(Real h, const Island& island, const System& system,
   each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
 }
 
-/// True if nothing but the bodies themselves acts in an island: no contact, joint or term with the world, and no device.
+/// True if an island is free: no contact, joint or term with the world, and no device.
 template <class Contacts, std::size_t N>
 bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool is = !island.has_terms;
@@ -141,15 +140,15 @@ bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   return is;
 }
 
-/// Motion of an island as a whole, with its momentum. Zero where bodies touch the world, or nodes.
+/// Translation of an island as a whole, with its momentum. Zero if bodies touch the world, or nodes.
 template <class System, class Contacts, std::size_t N>
-struct MotionAsAWhole {
+struct IslandTranslation {
   static constexpr bool is_zero = !Contacts::between_bodies || System::is_coupled;
   const BodyContactScratch<Contacts, N>& w;
   Column v = Column(Pack(0));
 
-  MotionAsAWhole(const Island& island, const System& system,
-                 BodyContactScratch<Contacts, N>& scratch) noexcept
+  IslandTranslation(const Island& island, const System& system,
+                    BodyContactScratch<Contacts, N>& scratch) noexcept
       : w(scratch) {
     if constexpr (!is_zero) {
       if (!is_by_itself(island, scratch)) return;
@@ -161,18 +160,18 @@ struct MotionAsAWhole {
       v = v * (1 / M);
     }
   }
-  /// V against it, and b less its momentum.
+  /// Returns V relative to the translation; below, b without its momentum.
   template <class U, class Vector>
   auto off(U u, const Vector& V) const noexcept {
     if constexpr (is_zero) return V[u];
     else return V[u] - SpatialVector{.w = Column(Pack(0)), .v = v};
   }
   template <class U, class Vector>
-  auto less_momentum(U u, const Vector& b) const noexcept {
+  auto without_momentum(U u, const Vector& b) const noexcept {
     if constexpr (is_zero) return b[u];
     else return b[u] - SpatialVector{.w = Column(Pack(0)), .v = v * w.stages[u].M};
   }
-  /// The velocity s times as far off it.
+  /// Returns the velocity with its relative part scaled by s.
   template <class U, class Vector>
   auto scaled(U u, const Vector& V, Real s) const noexcept {
     if constexpr (is_zero) return V[u] * s;
@@ -180,8 +179,8 @@ struct MotionAsAWhole {
   }
 };
 
-/// The multiple of V, against the motion c of the island as a whole, where (29) is least: so bodies that nothing else acts on keep
-/// their momentum. Returns the largest force that is left unbalanced, times h; r is all of them.
+/// Scales V, relative to the translation c of the island, to the least E (29), so that free bodies keep their
+/// momentum. Returns the largest unbalanced force times h; r: all of them.
 ///
 ///   V = c + s (V - c),   r = (b - M c) (1 - s) + s r,   c = sum b / sum M
 template <class System, class Contacts, std::size_t N>
@@ -189,25 +188,25 @@ Real scale_velocities(Real h, const Island& island, const System& system,
                       BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   const auto& b = system.b;
-  const MotionAsAWhole<System, Contacts, N> whole(island, system, w);
+  const IslandTranslation<System, Contacts, N> whole(island, system, w);
   SpatialSum VAV, Vb;
   system.each([&](auto u) noexcept {
-    const auto V = whole.off(u, x.V), b_off = whole.less_momentum(u, b);
+    const auto V = whole.off(u, x.V), b_off = whole.without_momentum(u, b);
     VAV.add(V, b_off - x.r[u]);
     Vb.add(V, b_off);
   });
-  find_leaving(
+  find_mode_changes(
       max_scale, island, w, [](const ContactPack&) noexcept { return Pack(0); },
       [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
   const LineSlope ray{.slope = -Vb, .curvature = VAV};
-  const Real s = where_flat(max_scale, scale_tolerance * VAV,
-                            [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
+  const Real s = exact_line_search(max_scale, scale_tolerance * VAV,
+                                   [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
   system.each([&](auto u) noexcept {
     x.V[u] = whole.scaled(u, x.V, s);
-    x.r[u] = whole.less_momentum(u, b) * (1 - s) + x.r[u] * s;
+    x.r[u] = whole.without_momentum(u, b) * (1 - s) + x.r[u] * s;
   });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
-  return largest_left(system, w);
+  return largest_residual(system, w);
 }
 
 }  // namespace godobject

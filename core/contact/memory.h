@@ -1,4 +1,4 @@
-// What contacts carry over from step to step, found again by what touches what.
+// Contact memory carried from step to step, found by keys of both sides.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace godobject {
 
-/// What one contact carries over. The spheres of a scene are numbered, and so is what they touch.
+/// Memory of one contact. Spheres and surfaces of a scene are numbered.
 struct ContactMemory {
   std::uint64_t key = 0;
   Real e = 0;        // rest penetration: the offset of the contact spring, m
@@ -21,7 +21,7 @@ struct ContactMemory {
   Column n_W;        // normal
 };
 
-/// In the order of the keys.
+/// Memories in the order of the keys.
 template <std::size_t max_contacts>
 struct ContactMemories {
   std::array<ContactMemory, max_contacts> list;
@@ -33,17 +33,17 @@ struct ContactMemories {
   }
 };
 
-/// Looks keys up that come in rising order.
+/// Looks up keys in rising order.
 template <std::size_t max_contacts>
 class Recall {
  public:
   explicit Recall(const ContactMemories<max_contacts>& of) noexcept : of_(of) {}
-  /// Null: there was no such contact.
+  /// Returns the memory of a key; null if there is none.
   const ContactMemory* find(std::uint64_t key) noexcept {
     while (at_ < of_.size && of_.list[at_].key < key) ++at_;
     return at_ < of_.size && of_.list[at_].key == key ? &of_.list[at_] : nullptr;
   }
-  /// If there was no such contact, one without a normal.
+  /// Returns the memory of a key; one without a normal if there is none.
   const ContactMemory* find_or_none(std::uint64_t key) noexcept {
     const ContactMemory* const found = find(key);
     return found != nullptr ? found : &none_;
@@ -55,43 +55,45 @@ class Recall {
   std::size_t at_ = 0;
 };
 
-/// The same contacts bear a force.
+/// True if both have the same active contacts.
 template <std::size_t max_contacts>
-bool touch_alike(const ContactMemories<max_contacts>& a, const ContactMemories<max_contacts>& b) noexcept {
-  const auto next_touching = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
+bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
+                               const ContactMemories<max_contacts>& b) noexcept {
+  const auto next_active = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
     while (i < m.size && !(dot(m.list[i].F_W, m.list[i].F_W) > 0)) ++i;
     return i;
   };
-  std::size_t i = next_touching(a, 0), j = next_touching(b, 0);
-  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_touching(a, i + 1))
-    j = next_touching(b, j + 1);
+  std::size_t i = next_active(a, 0), j = next_active(b, 0);
+  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_active(a, i + 1))
+    j = next_active(b, j + 1);
   return i == a.size && j == b.size;
 }
 
-/// Where a stage starts from: the memories of the step and those of the stage before in it, and how far in time.
+/// Initialisation of a stage's contacts: from the memory of the previous step or stage, extrapolated by t_0
+/// and t_1.
 struct ContactStage {
   Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
   Real relaxing = 0;      // s, for which e is relaxed
   Real found = 0;         // J, by the stages of the step before it: ContactReport
-  bool goes_on =
+  bool continues_step =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
-  bool is_euler = false;  // likewise, but (35) is asked between steps alone
-  Real ahead = 0;         // s: an extrapolation has led so far on from where the last stage ended
+  bool is_euler = false;  // as `follows`, but the rest penetration (35) is updated at step boundaries only
+  Real ahead = 0;         // s: extrapolation from the end of the previous stage to the start of this one
 
-  /// It starts where another stage has ended, of this step or the one before.
-  bool starts_at_an_end() const noexcept { return follows || (t_0 == 0 && !goes_on); }
-  bool is_joined() const noexcept { return starts_at_an_end() || is_euler; }
+  /// True if the stage starts at the end of another one, of this step or the previous.
+  bool starts_at_stage_end() const noexcept { return follows || (t_0 == 0 && !continues_step); }
+  bool is_joined() const noexcept { return starts_at_stage_end() || is_euler; }
 };
 
-/// (35)  Largest penetration stored without measured approach, m: its spring holds the energy
-/// that the lighter body, of mass m, has at the depenetration velocity. More would drive where stiff bodies are found
-/// deep in each other since they turned where nothing foresaw it.
+/// Returns the largest penetration stored without measured approach (35), m. Its spring holds the energy of
+/// the lighter body, of mass m, at the depenetration velocity. A larger one would drive stiff bodies apart
+/// that rotated into each other unpredicted.
 inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
   return law.k > 0 ? law.push_out * std::sqrt(m / law.k) : std::numeric_limits<Real>::infinity();
 }
 
-/// What contacts carried over, one or four. One that was not there has no normal.
+/// Memory of one or four contacts. A new contact has no normal.
 template <class T>
 struct ContactPastOf {
   Vector3<T> xi_W, xi_dot_W, F_W, n_W;
@@ -112,7 +114,7 @@ inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& o
           .pressed = numbers(&ContactMemory::pressed)};
 }
 
-/// The law of contacts in a stage of length h (24). A law of zeros bears nothing.
+/// Law of contacts in a stage of length h (24). A law of zeros carries no force.
 template <class T>
 struct StageLawOf {
   T k = 0;                       // N/m
@@ -128,47 +130,51 @@ struct StageLawOf {
   T max_stored_penetration = 0;  // m (35)
 };
 
-/// Contacts where a stage starts.
+/// Contacts at the start of a stage.
 template <class T>
 struct ContactStartOf {
   Vector3<T> n_W;
   T d_0;     // depth, m
-  T closed;  // by which an extrapolation has led them nearer, m: 0 where a stage starts at an end
+  T closed;  // approach by extrapolation, m: 0 if the stage starts at the end of another
 };
 
-/// What a stage knows of contacts where it begins.
+/// Initial data of contacts in a stage.
 template <class T>
-struct BegunContactOf {
+struct InitialContactOf {
   Vector3<T> xi_W;  // how far they have been dragged along the surface, m
   T e;              // rest penetration: the offset of the contact spring, m
   T F_n;            // normal force of the stage before, N; < 0: the contact is new
-  T found;          // J, (38): in its spring where the stage starts, beyond what it was left with
+  T found;          // J, (38): energy of its spring at the start of the stage in excess of that at the end of
+                    // the previous one
 };
 
-/// (35)  e a while later, in which it would fall by `by` if the depth d followed; behind: by which d may be behind.
+/// Returns the relaxed rest penetration: decreases by at most `by`, never below d - behind nor below 0 (35).
 template <class T>
 T relax_offset(const T& e, const T& d, const T& by, const T& behind) noexcept {
   return max(min(e, max(e - by, d - behind)), T(0));
 }
 
-/// (38)  Of a contact spring that was pressed by `before` where a stage ended, and is by `now` where the next one starts.
+/// Returns the change of energy of a contact spring (38), J. before: compression at the end of a stage, m.
+/// now: compression at the start of the next.
 template <class T>
 T found_energy(const T& k, const T& before, const T& now) noexcept {
   return T(0.5) * k * (now * now - before * before);
 }
 
-/// (35)  Scenes in which it is asked in steps of second order too: bodies on joints among bodies.
+/// True for jointed bodies in contact with bodies, without nets: second-order steps also check for
+/// unexplained penetration (35).
 template <class Contacts>
-inline constexpr bool asks_found = requires {
+inline constexpr bool checks_penetration_jumps = requires {
   requires Contacts::between_bodies && Contacts::jointed && !Contacts::has_net;
 };
 
-/// (35)  Where an extrapolation has led contacts, which open at v_n, deeper than they move by more than `most`. One whose normal has
-/// turned round a corner is another one.
+/// Finds contacts with unexplained penetration (35): after an extrapolation, deeper by more than `most` than
+/// their motion explains. v_n: opening speed, m/s. If the normal has turned round a corner, the contact is a
+/// new one.
 template <class T>
-auto are_found_deeper(const ContactStage& stage, const ContactPastOf<T>& of_step,
-                      const ContactPastOf<T>& of_stage, const ContactStartOf<T>& start, const T& v_n,
-                      const T& most) noexcept {
+auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& of_step,
+                           const ContactPastOf<T>& of_stage, const ContactStartOf<T>& start, const T& v_n,
+                           const T& most) noexcept {
   const auto was = [](const ContactPastOf<T>& past) noexcept { return T(0) < past.n_W.dot(past.n_W); };
   const auto by_stage = was(of_stage);
   const T turned = select(by_stage, of_stage.n_W.dot(start.n_W), of_step.n_W.dot(start.n_W)),
@@ -177,12 +183,12 @@ auto are_found_deeper(const ContactStage& stage, const ContactPastOf<T>& of_step
          ((turned < T(same_contact)) | (most < start.d_0 + T(stage.ahead) * v_n - end));
 }
 
-/// What a stage begins contacts with, from the memories of the step and of the stage before. Where the normal has turned round a
-/// corner the contact is another one.
+/// Returns the initial data of contacts, from the memories of the previous step and stage. If the normal has
+/// turned round a corner, the contact is a new one.
 template <class T>
-BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
-                           const ContactPastOf<T>& of_step, const ContactPastOf<T>& of_stage,
-                           const ContactStartOf<T>& start) noexcept {
+InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
+                             const ContactPastOf<T>& of_step, const ContactPastOf<T>& of_stage,
+                             const ContactStartOf<T>& start) noexcept {
   const auto is_same = [&](const ContactPastOf<T>& before) noexcept {
     return T(same_contact) <= before.n_W.dot(start.n_W);
   };
@@ -191,19 +197,19 @@ BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
   auto known = by_step;
   Vector3<T> xi = select(by_step, Vector3<T>(of_step.xi_W + of_step.xi_dot_W * T(stage.t_0)), none);
   T e = of_step.e, pressed = of_step.pressed, before = pressed, F_n = of_step.n_W.dot(of_step.F_W);
-  if (stage.goes_on) {
+  if (stage.continues_step) {
     const auto by_stage = is_same(of_stage);
     known = known | by_stage;
-    // that stage's rate is of its last part alone, where it was parted (39)
+    // after substeps (39), that stage's rate is of its last substep alone
     if (stage.follows || stage.is_euler) xi = select(by_stage, of_stage.xi_W, xi);
     else xi += select(by_stage, Vector3<T>(of_stage.xi_dot_W * T(stage.t_1)), none);
     e = select(by_stage, of_stage.e, e);
     pressed = select(by_stage, of_stage.pressed, pressed);
-    before = select(by_stage, pressed, T(0));  // what was apart in the stage before was not pressed
+    before = select(by_stage, pressed, T(0));  // a contact open in the previous stage was not pressed
     F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
   }
   T offset = relax_offset(e, start.d_0, law.relaxed, law.behind);
-  if (stage.starts_at_an_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
+  if (stage.starts_at_stage_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < before, before + e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
   const T e_new = max(start.d_0 - start.closed - law.max_stored_penetration, T(0));
@@ -214,30 +220,30 @@ BegunContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
           .found = select(known, found_energy(law.k, before, now), found_energy(law.k, T(0), now_new))};
 }
 
-/// What is asked of contacts again where the stage ends.
+/// Contact data from the start of the stage needed to update the memory at its end.
 template <class T>
-struct BegunOf {
+struct InitialMemoryOf {
   Vector3<T> xi_W;
   T e, kept, given;
   T F_n;  // normal force of the stage before, N; < 0: the contact is new
 };
 
-/// What contacts carry over, d deep in the end, F_W their forces.
+/// Returns the contact memory at the end. d: depth, m. F_W: contact force, N.
 template <class T>
-ContactPastOf<T> carried_over(const BegunOf<T>& begun, Real h, const Vector3<T>& n_W, const T& d,
+ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, Real h, const Vector3<T>& n_W, const T& d,
                               const Vector3<T>& F_W) noexcept {
   const T F_n = n_W.dot(F_W);
   const auto presses = T(0) < F_n;
   const Vector3<T> none = Vector3<T>::Constant(T(0));
-  // spring and damper of (23) move with the contact point, and what they do not follow has slipped
+  // spring and damper of (23) move with the contact point; the difference has slipped
   const Vector3<T> xi =
-      select(presses, Vector3<T>(begun.xi_W * begun.kept - (F_W - n_W * F_n) * begun.given), none);
+      select(presses, Vector3<T>(initial.xi_W * initial.kept - (F_W - n_W * F_n) * initial.given), none);
   return {.xi_W = xi,
-          .xi_dot_W = select(presses, Vector3<T>((xi - begun.xi_W) * T(1 / h)), none),
+          .xi_dot_W = select(presses, Vector3<T>((xi - initial.xi_W) * T(1 / h)), none),
           .F_W = F_W,
           .n_W = n_W,
-          .e = begun.e,
-          .pressed = max(d - begun.e, T(0))};
+          .e = initial.e,
+          .pressed = max(d - initial.e, T(0))};
 }
 
 }  // namespace godobject

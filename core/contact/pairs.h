@@ -1,4 +1,4 @@
-// The bodies that touch each other or the world in a stage: which they are, in pairs, and their contacts (24).
+// Bodies in contact with each other or the world in a stage, in pairs, with their contacts (24).
 #pragma once
 
 #include "core/contact/find/find.h"
@@ -10,7 +10,8 @@
 
 namespace godobject {
 
-/// The contacts part of a scene whose bodies touch the world alone. Capacities: spheres, surfaces, contacts at a time.
+/// Contact part of a scene whose bodies touch the world alone. Capacities: spheres, surfaces, contacts at a
+/// time.
 template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
 struct FixedContacts {
   static constexpr std::size_t max_contacts = contacts_, max_pairs = 0, max_blocks = 0;
@@ -28,15 +29,15 @@ struct FixedContacts {
   using BodyOutput = ContactWrench;
 };
 
-/// The same whose bodies touch each other as well. blocks: of the factor of their system beside its diagonal (31); 0:
-/// eight for each body.
+/// Contact part of a scene whose bodies also touch each other. blocks: capacity of the system's factor beside
+/// its diagonal (31); 0: eight for each body.
 template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_, std::size_t blocks_ = 0>
 struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
   static constexpr std::size_t max_pairs = contacts_, max_blocks = blocks_;
   static constexpr bool between_bodies = true;
 };
 
-/// The contacts of a scene that has nodes or terms as well.
+/// Contact part of a scene with nodes or terms.
 template <class Contacts, class Terms_, std::size_t nodes>
 struct WithTerms : Contacts {
   using Terms = Terms_;
@@ -44,7 +45,7 @@ struct WithTerms : Contacts {
   using TermStages = typename Terms::Stages;
 };
 
-/// The contacts of a scene that has a net.
+/// Contact part of a scene with a net.
 template <class Contacts, class Net_>
 struct WithNet : Contacts {
   using Net = Net_;
@@ -54,8 +55,8 @@ struct WithNet : Contacts {
   static constexpr std::size_t max_net_pairs = NetStage<Net, N>::max_pairs;
 };
 
-/// A body's stage, about its centre of mass, world axes. Its A has a skew part (11), which a solve by A = A^T cannot
-/// take: by itself the body moves as by the whole of it, and what it touches meets it as it moves then.
+/// Stage of a body, about its centre of mass, world axes. Its A has a skew part (11), which a symmetric solve
+/// cannot contain. Alone, the body moves by the whole A; contacts act on that motion.
 ///
 ///   (34)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
 struct BodyStage {
@@ -86,7 +87,7 @@ struct LinePacks {
   std::size_t size = 0;
 };
 
-/// What a scene with a net has more, and what its systems are solved as.
+/// Additional storage of a scene with a net, and the type of its systems.
 template <class Contacts, std::size_t N, class System>
 struct NetStageType {
   using type = Absent<21>;
@@ -100,7 +101,7 @@ requires(Contacts::has_net) struct NetStageType<Contacts, N, System> {
   using CoupledB = typename Coupled::Vector;
 };
 
-/// Scratch: undefined between steps. N: bodies and nodes.
+/// Working storage of contacts, undefined between steps. N: bodies and nodes.
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
   static constexpr std::size_t max_contacts = Contacts::max_contacts, max_pairs = Contacts::max_pairs,
@@ -121,7 +122,7 @@ struct BodyContactScratch {
   std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
   std::size_t num_groups = 0;
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
-  std::array<BegunPack, max_packs> begun;               // of these
+  std::array<InitialMemoryPack, max_packs> initial;     // of these
   LinePacks<max_packs + Contacts::max_net_packs> line;  // those that leave their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename Contacts::TermStages terms;
@@ -136,17 +137,18 @@ struct BodyContactScratch {
   std::size_t last = 0;
   ContactForces<max_contacts> forces;  // of the stage
   ContactStage stage;
-  // (35)  some contact, where an extrapolation has led
-  [[no_unique_address]] std::conditional_t<asks_found<Contacts>, bool, Absent<24>> found_deeper{};
+  // true if some extrapolated contact has unexplained penetration (35)
+  [[no_unique_address]] std::conditional_t<checks_penetration_jumps<Contacts>, bool, Absent<24>>
+      penetration_jumps{};
   std::array<Wrench, N> wrenches;
-  // impulses that bodies move by beyond their contacts' forces, where the iterations (29) left some
+  // impulses on bodies beyond their contact forces, left by the iterations (29)
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, std::array<SpatialVector, N>, Absent<31>>
       unbalanced;
   bool is_unbalanced = false;
   ContactReport report;
 };
 
-/// Joins the bodies that carry nodes of nets, and those that these touch or are attached to.
+/// Joins the bodies that carry nodes of nets, and those in contact with or attached to these nodes.
 template <class Contacts, std::size_t N>
 void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
   const auto of_net = [&](std::uint32_t i) noexcept {
@@ -162,12 +164,12 @@ void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
     if (one.body < N) of_net(one.body);
 }
 
-/// Number of the near contact's pair, or that of its body with the world.
+/// Returns the number of the near contact's pair, or of its body with the world.
 inline std::uint32_t pair_of(const NearContact& near) noexcept {
   return static_cast<std::uint32_t>(near.key >> 32);
 }
 
-/// The groups and pairs of the near contacts, and the islands they make.
+/// Finds the groups and pairs of the near contacts, and the islands that they form.
 template <class Contacts, std::size_t N>
 void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noexcept {
   w.graph.num_pairs = w.num_groups = 0;

@@ -1,19 +1,20 @@
-// Contacts as their bodies see them during a stage, four at a time.
+// Contacts of a body during a stage, four at a time.
 //
-// At the end of a stage (22) and (23) are linear in the velocity v of the contact point within a mode (open, stick,
-// slip): with the geometry where the stage is predicted to end, and d_0 the depth where it starts,
+// At the end of a stage (22) and (23) are linear in the velocity v of the contact point within a mode (open,
+// stick, slip). With the geometry at the predicted end of the stage, and d_0 the depth at its start,
 //
 //   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;   open, F_0 = eta_n d_0 / h
 //         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
 //
-// So a contact is an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and goes into its body's A and b as
-// a mass would. Which mode holds, touching or not and eta_t, is found by Newton iterations on the active set, each with
-// the modes that the one before ended in. Against the world the first iterations take a slipping contact by its tangent,
+// A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
+// A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set,
+// each with the modes at the end of the previous one. Against the world the first iterations take a slipping
+// contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //
-// which ends at once where the slip keeps its direction; the next by (24) as it stands; the last ones leave eta_t as it
-// is, which cannot drive, and find what touches. What they leave is reported as the residual.
+// which converges at once if the slip keeps its direction. The next use (24) unchanged. The last ones keep
+// eta_t, which cannot drive, and find the active set. Their error is reported as the residual.
 #pragma once
 
 #include <limits>
@@ -23,8 +24,8 @@
 
 namespace godobject {
 
-/// How an iteration takes the friction.
-enum class Pass { by_tangent, by_secant, as_it_was };
+/// Treatment of friction in an iteration.
+enum class Pass { by_tangent, by_secant, unchanged };
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
@@ -42,67 +43,67 @@ struct ContactPack {
   Vector3<Pack> v, F;
   Pack v_n_0;  // of the iteration before
 };
-using BegunPack = BegunOf<Pack>;
+using InitialMemoryPack = InitialMemoryOf<Pack>;
 
-/// Contacts where they begin: xi_W and n_W on the side of their body, r from where its twist is taken. F: what foresees their
+/// Initialises contacts: xi_W and n_W on the side of their body, r from the point of its twist. F: predicted
 /// forces.
-inline void set_contacts(const StageLawOf<Pack>& law, const BegunContactOf<Pack>& begun, const Pack& side,
+inline void set_contacts(const StageLawOf<Pack>& law, const InitialContactOf<Pack>& initial, const Pack& side,
                          const Vector3<Pack>& n_W, const Vector3<Pack>& r, const Pack& d_0, const Pack& v_n,
                          ContactPack& pack) noexcept {
   pack.r = r;
   pack.n = n_W * side;
-  pack.v_xi = begun.xi_W * (law.v_per_xi * side);
+  pack.v_xi = initial.xi_W * (law.v_per_xi * side);
   pack.d_0 = d_0;
-  pack.F_0 = select(d_0 < 0, law.eta_n_h * d_0, law.k * (d_0 - begun.e));
+  pack.F_0 = select(d_0 < 0, law.eta_n_h * d_0, law.k * (d_0 - initial.e));
   pack.eta_n = law.eta_n;
   pack.max_eta_t = law.max_eta_t;
   pack.mu = law.mu;
-  // that of the stage before; of a new one, F_n at the predicted velocities: bodies that hit each other are slowed down within
-  // the step, and at predicted velocities too much touches, too hard
-  const Pack F_n = select(begun.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), begun.F_n);
+  // that of the previous stage; of a new contact F_n at the predicted velocities. Colliding bodies slow down
+  // within the step, so at predicted velocities too many contacts are active, too hard.
+  const Pack F_n = select(initial.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), initial.F_n);
   pack.F = pack.n * F_n;
 }
 
-/// 1: touching, with this normal force; 0: not.
-inline Pack case_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
+/// Returns 1 for active contacts with this normal force, 0 for inactive ones.
+inline Pack mode_of(const Pack& F_n) noexcept { return select(F_n > 0, Pack(1), Pack(0)); }
 inline bool differ(const Pack& a, const Pack& b) noexcept { return any(a < b) || any(b < a); }
 
-/// How far the forces of an iteration are from the law, and the largest normal force.
+/// Deviation of an iteration's forces from the law, and the largest normal force.
 struct ContactResidual {
-  Pack normal_miss = 0, friction_miss_sq = 0, normal_force = 0;
+  Pack normal_residual = 0, friction_residual_sq = 0, normal_force = 0;
 
-  Real normal() const noexcept { return largest(normal_miss); }
-  Real friction() const noexcept { return std::sqrt(largest(friction_miss_sq)); }
+  Real normal() const noexcept { return largest(normal_residual); }
+  Real friction() const noexcept { return std::sqrt(largest(friction_residual_sq)); }
   Real worst() const noexcept { return std::max(normal(), friction()); }
   Real F_n() const noexcept { return largest(normal_force); }
 };
 
-/// The velocities of the contact points at the twist V of the body's anchor.
+/// Computes the velocities of the contact points at the twist V of the body's anchor.
 inline void move(ContactPack& c, const SpatialVector& V) noexcept {
   const Vector3<Pack> V_w(V.w.all<0>(), V.w.all<1>(), V.w.all<2>());
   const Vector3<Pack> V_v(V.v.all<0>(), V.v.all<1>(), V.v.all<2>());
   c.v = V_v + V_w.cross(c.r);
 }
 
-/// The same of contacts that each have a velocity of their own; number: of the pack.
+/// Velocities of contacts that each have their own; number: of the pack.
 struct PackVelocity {
   Vector3<Pack> v;
   std::size_t number = 0;
 };
 inline void move(ContactPack& c, const PackVelocity& V) noexcept { c.v = V.v; }
 
-/// Speeds that can be divided by; where they are none the contact sticks.
+/// Returns speeds that can be divided by; a contact without speed sticks.
 inline Pack above_zero(const Pack& speed) noexcept {
   return max(speed, Pack(std::numeric_limits<Real>::min()));
 }
-/// A speed of slip that can be divided by.
+/// Returns a slip speed that can be divided by.
 inline Pack speed_of(const Vector3<Pack>& s) noexcept { return above_zero(sqrt(s.squaredNorm())); }
-/// eta_t of (24) at a speed of slip.
+/// Returns eta_t of (24) at a slip speed.
 inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) noexcept {
   return min(c.mu * F_n / speed, c.max_eta_t);
 }
 
-/// Those that slip are taken by their tangents, s their slip and F_n the normal forces.
+/// Linearises slipping contacts by their tangents. s: slip, F_n: normal forces.
 inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& speed,
                          const Pack& F_n) noexcept {
   const Pack slips = select(c.eta_t < c.max_eta_t, Pack(1), Pack(0));
@@ -110,18 +111,21 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
   c.f_slip = slips * c.mu * F_n;
 }
 
-/// True if friction that was taken along the slip does work on one of the contacts.
+/// True if friction linearised along the slip does work on one of the contacts.
 inline bool is_turned_round(const ContactPack& c) noexcept { return any(c.u.dot(c.v + c.v_xi) < 0); }
 
-/// Friction is taken at the speed that an iteration has left.
-struct SpeedAsItIs {};
+/// Selects the slip speed after the iteration for friction.
+struct CurrentSpeed {};
 
-/// The forces of an iteration, and the modes of the next, at the velocities of the contact points. tangents: as in
-/// add(); otherwise friction that would change by no more than F_small stays as it is: there is less to solve again.
-/// ahead: SpeedAsItIs, or ahead(pack, slip, its speed, normal forces) are the speeds at which friction is taken, above zero.
-template <bool tangents, class Ahead = SpeedAsItIs>
-void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
-            [[maybe_unused]] const Ahead& ahead = {}) noexcept {
+/// Evaluates contact forces at the current velocities, accumulates the residual, and selects each contact's
+/// mode for the next iteration.
+/// tangents: some contacts may be linearised by their tangents, as in add(). Without tangents, friction
+/// changes below F_small are skipped to keep the factor.
+/// ahead: CurrentSpeed, or ahead(pack, slip, its speed, normal forces), the slip speeds for friction, above
+/// zero.
+template <bool tangents, class SlipPrediction = CurrentSpeed>
+void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
+                  [[maybe_unused]] const SlipPrediction& ahead = {}) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
   const Pack speed = speed_of(s);
@@ -131,18 +135,20 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
   Vector3<Pack> F_t = s * -c.eta_t;
   if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
   c.F = c.n * (c.touching * F_n) + F_t;
-  most.normal_miss = max(most.normal_miss, abs(law_n - c.touching * F_n));
-  most.friction_miss_sq = max(most.friction_miss_sq, (s * -law_eta - F_t).squaredNorm());
+  most.normal_residual = max(most.normal_residual, abs(law_n - c.touching * F_n));
+  most.friction_residual_sq = max(most.friction_residual_sq, (s * -law_eta - F_t).squaredNorm());
   most.normal_force = max(most.normal_force, law_n);
-  const Pack touching = case_of(law_n), eta_before = c.eta_t;
+  const Pack touching = mode_of(law_n), eta_before = c.eta_t;
   c.changed = differ(c.touching, touching);
   c.touching = touching;
   Pack slip_eta = law_eta;
-  if constexpr (!std::is_same_v<Ahead, SpeedAsItIs>) slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
-  // a slip that its own friction has turned round would go on to and fro: it sticks, or slips the other way from there
+  if constexpr (!std::is_same_v<SlipPrediction, CurrentSpeed>)
+    slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
+  // if friction reversed the slip, iterations would alternate: the contact sticks, or slips the other way
+  // from there
   if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, slip_eta);
   else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, slip_eta);
-  c.eta_t = next == Pass::as_it_was ? c.touching * c.eta_t : slip_eta;
+  c.eta_t = next == Pass::unchanged ? c.touching * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
   if constexpr (tangents) {
     if (next == Pass::by_tangent) {
@@ -154,26 +160,27 @@ void settle(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
   }
 }
 
-/// The modes of the first iteration: at the normal forces that c.F foresees and the velocities of the contact points.
+/// Selects the modes of the first iteration, at the normal forces predicted by c.F and the velocities of the
+/// contact points.
 template <bool tangents, class Velocity>
-void foresee(ContactPack& c, const Velocity& V) noexcept {
+void predict(ContactPack& c, const Velocity& V) noexcept {
   move(c, V);
   const Pack F_n = c.n.dot(c.F);
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
   const Pack speed = speed_of(s);
-  c.touching = case_of(F_n);
+  c.touching = mode_of(F_n);
   c.eta_t = friction(c, speed, F_n);
   if constexpr (tangents) set_tangents(c, s, speed, F_n);
 }
 
-/// Sums over the contacts of a body, or a pair, of what they add to its A and b.
+/// Sums over the contacts of a body or a pair, for its A and b.
 struct ContactSums {
   // of W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T):  W;  [r]x W;  -[r]x W [r]x
   Pack vv[6] = {0, 0, 0, 0, 0, 0}, wv[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, ww[6] = {0, 0, 0, 0, 0, 0};
   Vector3<Pack> b_w = Vector3<Pack>::Constant(Pack(0)), b_v = Vector3<Pack>::Constant(Pack(0));
 };
 
-/// tangents: some contacts may be taken by their tangents.
+/// Adds contacts to the sums. tangents: some contacts may be linearised by their tangents.
 template <bool tangents>
 void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
   const Pack a = h * c.eta_t, b = h * (c.touching * c.eta_n - c.eta_t);
@@ -210,7 +217,7 @@ void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
   sums.b_w += r.cross(F);
 }
 
-/// The sums of three packs.
+/// Returns the sums of three packs.
 inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {
   const Pack xy = shuffled<0, 4, 2, 6>(x, y) + shuffled<1, 5, 3, 7>(x, y);
   const Pack zz = z + shuffled<1, 0, 3, 2>(z, z);
@@ -225,7 +232,7 @@ inline SymmetricSpatialMatrix total(const ContactSums& s) noexcept {
           .vv = {{sum(s.vv[0], s.vv[1], s.vv[3]), sum(s.vv[1], s.vv[2], s.vv[4]),
                   sum(s.vv[3], s.vv[4], s.vv[5])}}};
 }
-/// Torque and force times h.
+/// Returns torque and force times h.
 inline SpatialVector total_impulse(const ContactSums& s) noexcept {
   return {.w = sum(s.b_w[0], s.b_w[1], s.b_w[2]), .v = sum(s.b_v[0], s.b_v[1], s.b_v[2])};
 }

@@ -1,16 +1,17 @@
-// What a solve of bodies that touch leaves unbalanced, as a force.
+// Residual of a solve of bodies in contact, as a force.
 #pragma once
 
 #include "core/contact/pairs.h"
 
 namespace godobject {
 
-/// The velocity, m/s, of the centre of mass at which a body would have the kinetic energy that it has at V; squared.
+/// Returns the squared velocity of the centre of mass at which a body would have the kinetic energy that it
+/// has at V, m^2/s^2.
 inline Real speed_sq(const BodyStage& stage, const SpatialVector& V) noexcept {
   return dot(V.v, V.v) + dot(V.w, stage.A_ww * V.w) / stage.M;
 }
 
-/// The same of unknown u; a node is its own centre of mass.
+/// Returns speed_sq of unknown u; a node is its own centre of mass.
 template <class Stages>
 Real speed_sq_of(const Stages& stages, std::uint32_t u, const SpatialVector& V) noexcept {
   return speed_sq(stages[u], V);
@@ -23,11 +24,11 @@ Real speed_sq_of(const Stages&, NetNodeNumber, const Column& v) noexcept {
 inline Real force_sq(const SpatialVector& F) noexcept { return dot(F.v, F.v); }
 inline Real force_sq(const Column& F) noexcept { return dot(F, F); }
 
-/// The largest of the impulses F on the bodies of a system, about their centres of mass, that joints cannot bear;
-/// squared. F is used up. A torque tau about an axis counts as the force tau sqrt(m / I), alike in the energy that an
-/// impulse of it gives.
+/// Returns the squared largest impulse of F on the bodies of a system, about their centres of mass, that
+/// joints cannot carry. F is overwritten. A torque tau about an axis counts as the force tau sqrt(m / I),
+/// with the same energy for an impulse.
 template <class System, class Stages, class Vector>
-Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) noexcept {
+Real largest_residual_sq(const System& system, const Stages& stages, Vector& F) noexcept {
   Real most = 0;
   system.each([&](auto u) noexcept {  // children before parents
     const BlockJoint* joint = system.joint_of(u);
@@ -46,11 +47,11 @@ Real largest_unborne_sq(const System& system, const Stages& stages, Vector& F) n
   return most;
 }
 
-/// The largest impulse that r leaves unbalanced.
+/// Returns the largest unbalanced impulse of r.
 template <class System, class Contacts, std::size_t N>
-Real largest_left(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
+Real largest_residual(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
   system.each([&](auto u) noexcept { w.x.Ap[u] = w.x.r[u]; });
-  return std::sqrt(largest_unborne_sq(system, w.stages, w.x.Ap));
+  return std::sqrt(largest_residual_sq(system, w.stages, w.x.Ap));
 }
 
 }  // namespace godobject

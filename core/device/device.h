@@ -1,8 +1,5 @@
-// How a device drives a body: what it sends each step, and the target that becomes of it.
-// Impedance and non-haptic devices are PoseDevice (with and without feedback).
-//
-// The room: holding.h is a device that takes hold of bodies and lets go; feedback.h the wrench (8) that the hand is shown,
-// within its bounds; held_feedback.h the same for what is held. Gaps in the samples are bridged, held and faded here.
+// Devices: their inputs per step and the targets of bodies derived from them. PoseDevice serves impedance and
+// non-haptic devices, with and without feedback. Gaps in the samples are bridged, held and faded here.
 #pragma once
 
 #include <algorithm>
@@ -16,15 +13,16 @@ namespace godobject {
 
 struct RampParams {
   Real rise = 0.5;  // s from engaging to full coupling; 0: at once
-  Real lost = 0;  // s (and at least bridged_steps) without a valid sample after which the device engages anew
+  Real lost = 0;  // s (and at least bridged_steps) without a valid sample after which the device re-engages
+                  // by the ramp
   Real stale = 0;  // s (and at least bridged_steps) for which the wrench that was shown stays; then it fades
 };
 
-/// What of the feedback is shown in a step.
+/// Part of the feedback that is displayed in a step.
 enum class Showing : std::uint8_t {
   all,
   capped,  // again, after a gap: as much as was shown at its end, and the share Pull::growth of the bounds
-  still,   // no valid sample: what was shown
+  still,   // no valid sample: the previous wrench
   fading,  // none for too long: nothing any more
 };
 
@@ -33,50 +31,50 @@ struct RampState {
   bool engaged = false;
 };
 
-/// What a gap in the samples makes of a step: of one without a valid sample, and of those after it.
+/// Effect of a gap in the samples on a step without a valid sample and on those after it.
 struct Gap {
-  Real held = 0;    // s since the last valid sample
-  Real calm = 0;    // s until all of the feedback may be shown
-  Real growth = 0;  // see Showing::capped
+  Real held = 0;      // s since the last valid sample
+  Real recovery = 0;  // s until all of the feedback may be shown
+  Real growth = 0;    // see Showing::capped
   Showing showing = Showing::all;
-  bool again = false;    // calm is after a long gap: the feedback grows meanwhile
-  bool bridged = false;  // the target goes on as it moved; without a sample and not bridged it rests
-  bool back = false;     // the first valid sample after a gap
-  bool anew = false;     // the gap was too long: the device engages anew
+  bool long_gap = false;   // true if `recovery` follows a long gap: the feedback grows meanwhile
+  bool bridged = false;    // the target goes on as it moved; without a sample and not bridged it rests
+  bool back = false;       // the first valid sample after a gap
+  bool reengages = false;  // the gap exceeded `lost`: the device re-engages by the ramp
 };
 
-/// What pulls one body during one step: the target at both ends, and how far the ramp is.
+/// Coupling input of one body in one step: the target at both ends, and the ramp.
 struct Pull {
   Target from, to;        // target at the start and the end of the step, quaternions of one sign
   RampState ramp;         // during this step
   Wrench F_WB;            // force and torque applied by the hand (admittance), in a stage: where it ends
   Wrench F_0_WB, F_1_WB;  // those at the start and the end of the step
-  bool live = true;       // false: no valid sample
-  bool fresh = false;     // first step after engaging or letting go: no history may be used
+  bool live = true;       // true if the step has a valid sample
+  bool fresh = false;     // first step after engaging or releasing: no history is valid
   Gap gap;
 };
 
-/// What all devices carry over.
+/// State common to all devices.
 struct DeviceState {
   Target last;  // target of the last step
   RampState ramp;
-  Real held = 0;       // s since the last valid sample
-  Real calm = 0;       // s until all of the feedback may be shown, after a gap
-  bool again = false;  // that gap was a long one: the feedback grows meanwhile
-  Wrench F_WB;         // applied at the end of the last step, of an admittance device
+  Real held = 0;          // s since the last valid sample
+  Real recovery = 0;      // s until all of the feedback may be shown, after a gap
+  bool long_gap = false;  // that gap was a long one: the feedback grows meanwhile
+  Wrench F_WB;            // applied at the end of the last step, of an admittance device
 };
 
-/// The state after the step.
+/// Returns the state after the step.
 inline DeviceState carried_over(const Pull& pull) noexcept {
   return {.last = pull.to,
           .ramp = pull.ramp,
           .held = pull.gap.held,
-          .calm = pull.gap.calm,
-          .again = pull.gap.again,
+          .recovery = pull.gap.recovery,
+          .long_gap = pull.gap.long_gap,
           .F_WB = pull.F_1_WB};
 }
 
-/// What a device part's pull() returns: a Pull, or what the part names Pull, which is one and has more.
+/// Return type of a device part's pull(): Pull, or the part's own type Pull derived from it.
 template <class Device>
 struct PullOf {
   using type = Pull;
@@ -87,24 +85,26 @@ struct PullOf<Device> {
   using type = typename Device::Pull;
 };
 
-/// A pose shifted and turned, by half a turn at most: what turns faster is not known by its samples.
+/// Returns a pose displaced by dp and dphi. |dphi| is limited to pi, because faster rotation is aliased by
+/// the sampling.
 inline Pose displaced(const Pose& X, const Vec3& dp_W, const Vec3& dphi_W) noexcept {
   return {.p = X.p + dp_W, .q = renormalized(exp_so3(at_most_half_a_turn(dphi_W)) * X.q)};
 }
-/// A target that goes on as it moved for a time dt.
+/// Extrapolates a target by its velocity over a time dt, s.
 inline Target carried_on(const Target& x, Real dt) noexcept {
   return {.X_WD = displaced(x.X_WD, dt * x.V_WD.v, dt * x.V_WD.w), .V_WD = x.V_WD};
 }
 
-/// A step without a valid sample, or after one. A short gap is bridged. During a longer one the target rests and what
-/// was shown fades; after it the device engages anew, by the ramp, since the hand may be anywhere by then. The
-/// feedback does not grow until the body has caught up: no gap shows more than there was without it.
+/// Returns the gap of a step without a valid sample, or of a step after one. Short gaps are bridged. During
+/// longer ones the target rests and the displayed wrench fades. Afterwards the device re-engages by the ramp,
+/// because the hand may have moved anywhere. The feedback does not grow until the body has caught up, so no
+/// gap displays more than before it.
 [[gnu::noinline]] inline Gap bridge(const RampParams& par, const DeviceState& x, bool valid,
                                     Real h) noexcept {
   const auto longer_than = [h](Real held, Real s) { return held > std::max(s, bridged_steps * h) + h / 2; };
   Gap gap;
-  gap.calm = std::max(x.calm - h, Real(0));
-  gap.again = x.again && gap.calm > 0;
+  gap.recovery = std::max(x.recovery - h, Real(0));
+  gap.long_gap = x.long_gap && gap.recovery > 0;
   if (!valid) {
     gap.held = x.held + h;
     gap.bridged = !longer_than(gap.held, 0);
@@ -112,29 +112,30 @@ inline Target carried_on(const Target& x, Real dt) noexcept {
     return gap;
   }
   if (x.held > 0 && longer_than(x.held, par.lost)) {
-    gap.anew = gap.again = gap.back = true;
-    gap.calm = std::max(par.rise, quiet_after_gap) + growth_after_gap;
-  } else if (x.held > 0 && x.calm == 0) {
-    gap.calm = calm_per_gap * x.held;
+    gap.reengages = gap.long_gap = gap.back = true;
+    gap.recovery = std::max(par.rise, quiet_after_gap) + growth_after_gap;
+  } else if (x.held > 0 && x.recovery == 0) {
+    gap.recovery = recovery_per_gap * x.held;
     gap.back = true;
   }
-  if (gap.calm == 0) return gap;
-  const Real grown = gap.again ? std::max(1 - gap.calm / growth_after_gap, Real(0)) : 0;
+  if (gap.recovery == 0) return gap;
+  const Real grown = gap.long_gap ? std::max(1 - gap.recovery / growth_after_gap, Real(0)) : 0;
   gap.showing = Showing::capped;
   gap.growth = grown * grown;
   return gap;
 }
 
-/// The ramp: 0 in the first engaged step, so that engaging moves nothing; then rising linearly to 1. Engaging takes
-/// a valid sample, and so does going on after a gap that was too long to be bridged.
+/// Begins the coupling input of a step. The ramp is 0 in the first engaged step, so that engaging moves
+/// nothing, and then rises linearly to 1. Engaging, also after a gap too long to be bridged, requires a valid
+/// sample.
 inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted, bool valid, Real h,
                        Limited& limited) noexcept {
   RampState before = x.ramp;
   Pull pull;
   pull.live = valid;
-  if (!valid || x.held > 0 || x.calm > 0) [[unlikely]] {
+  if (!valid || x.held > 0 || x.recovery > 0) [[unlikely]] {
     pull.gap = bridge(par, x, valid, h);
-    if (pull.gap.anew) before = {};
+    if (pull.gap.reengages) before = {};
     if (!valid) limited |= Limited::held;
     if (pull.gap.showing == Showing::capped) limited |= Limited::ramp;
   }
@@ -151,22 +152,22 @@ inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted,
   return pull;
 }
 
-/// Engaged before a gap that was not longer than a grip lasts.
+/// True if a grip survives the gap: engaged before it, and the gap is at most grip_lasts.
 inline bool grip_lasted(const DeviceState& x) noexcept { return x.ramp.engaged && x.held <= grip_lasts; }
 
-/// A quaternion and its negative are one attitude: takes the one nearer to `reference`.
+/// Returns q or -q, the same attitude: the one nearer to `reference`.
 inline Quat same_sign(const Quat& q, const Quat& reference) noexcept {
   return q.dot(reference) < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q;
 }
 
-/// Gives an absolute pose: impedance devices, trackers.
+/// Device with absolute poses: impedance devices, trackers.
 struct PoseDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
     Target target;
-    bool valid = true;    // false: no sample this step; the target rests at the last one
-    bool engaged = true;  // false: the device drives nothing
+    bool valid = true;    // true if this step has a sample; otherwise the target rests at the last one
+    bool engaged = true;  // true if the device drives its body
   };
 
   static Pull pull(const Params& par, const Input& in, const RigidBodyState&, Real h, const State& x,
@@ -183,14 +184,14 @@ struct PoseDevice {
   }
 };
 
-/// Gives increments of pose, through a clutch: a mouse, or an arm whose workspace is too small.
+/// Device with increments of pose and a clutch: a mouse, or an arm whose workspace is too small.
 struct RelativeDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
     Vec3 dp_W = Vec3::Zero();    // shift since the last sample, m
     Vec3 dphi_W = Vec3::Zero();  // turn since the last sample, rad, |dphi| <= pi
-    bool clutch = true;          // false: the device moves, the target does not
+    bool clutch = true;          // true if motion of the device moves the target
     bool valid = true;
     bool engaged = true;
   };
@@ -214,8 +215,9 @@ struct RelativeDevice {
   }
 
  private:
-  /// The increments are those of the whole gap, of which the bridge has gone a part, should the target still move. After
-  /// a gap longer than a grip lasts they are left out: the device engages where the body is.
+  /// Returns the target after a gap. The increments cover the whole gap; the part that the bridge
+  /// extrapolated is subtracted if the target still moves. After a gap longer than a grip lasts they are
+  /// dropped, and the device engages at the body's place.
   static Target after_gap(const Input& in, const State& x, Real h) noexcept {
     const Real bridged = std::min(x.held, bridged_steps * h), since = x.held + h, open = in.clutch ? 1 : 0;
     const Vec3 dp_W = open * in.dp_W - bridged * x.last.V_WD.v,
@@ -225,7 +227,8 @@ struct RelativeDevice {
   }
 };
 
-/// Gives forces and takes poses. Its spring (if any) is tied to where the body was when engaged.
+/// Device with forces as inputs and poses as outputs. Its spring, if any, is fixed to the body's place at
+/// engaging.
 struct AdmittanceDevice {
   using Params = RampParams;
   using State = DeviceState;
@@ -245,7 +248,7 @@ struct AdmittanceDevice {
   }
 };
 
-/// The device moved on for a time dt while no step was taken: what the host has missed is a gap in the samples.
+/// Advances a device by a time dt without steps: the missed periods become a gap in the samples.
 inline void pass_time(DeviceState& x, Real dt, Real h) noexcept {
   if (x.held + dt <= (bridged_steps + Real(0.5)) * h) x.last = carried_on(x.last, dt);
   x.held += dt;

@@ -1,4 +1,4 @@
-// What the hand feels: equation (8) with its own gains, bounded in size and in rate.
+// Displayed wrench: the feedback (8) with its own gains, bounded in size and rate.
 #pragma once
 
 #include "core/body/coupling.h"
@@ -14,12 +14,12 @@ struct FeedbackParams {
   Real max_torque_rate = 25;  // N m/s
 };
 
-/// (9)  a wrench on a link, about its origin, as one on its parent link: f, tau + (x - x_parent) x f.
+/// Moves a wrench on a link, about the link's origin, to its parent link (9): f, tau + (x - x_parent) x f.
 inline Wrench moved_to_parent(const Wrench& F, const Vec3& x, const Vec3& x_parent) noexcept {
   return {.tau = F.tau + (x - x_parent).cross(F.f), .f = F.f};
 }
 
-/// a, shortened to the length `bound`; sets `bit` if it was longer. Zero if its length is beyond all numbers.
+/// Returns `a` shortened to the length `bound`; sets `bit` if it was longer. Zero if the length overflows.
 inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) noexcept {
   const Real length_sq = a.squaredNorm();
   if (length_sq <= bound * bound) return a;
@@ -32,7 +32,7 @@ struct LimitedFeedback {
   using Params = FeedbackParams;
   struct State {
     Wrench F_D;  // shown in the last step
-    // How much was shown when the samples came back after a gap, N and N m:
+    // Displayed force and torque at the first sample after a gap, N and N m.
     Real force_then = 0;
     Real torque_then = 0;
   };
@@ -40,7 +40,7 @@ struct LimitedFeedback {
     Wrench F_D;  // on the device at the target's origin, world axes
   };
 
-  /// (8)  F = g_d (v - v_D) + k_d (x - x_D),  T = g_dr (w - w_D) - k_dr alpha u
+  /// Returns the feedback (8):  F = g_d (v - v_D) + k_d (x - x_D),  T = g_dr (w - w_D) - k_dr alpha u
   static Wrench wrench(const SpringParams& gains, const RigidBodyState& x, const Target& target,
                        const Vec3& phi_B) noexcept {
     const Quat& q = x.X_WB.q;
@@ -48,7 +48,7 @@ struct LimitedFeedback {
             .f = gains.g * (x.v_W - target.V_WD.v) + gains.k * (x.X_WB.p - target.X_WD.p)};
   }
 
-  /// Moves the shown wrench towards `wanted` within the limits.
+  /// Moves the displayed wrench towards `wanted` within the limits.
   static void show(const Params& par, const Wrench& wanted, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
     const Real shown = x.F_D.f.sum() + x.F_D.tau.sum();
@@ -56,21 +56,21 @@ struct LimitedFeedback {
     move(par, in_size(par, wanted, limited), h, x, out, limited);
   }
 
-  /// The same, as the samples of the device allow.
+  /// Moves the displayed wrench towards `wanted` as far as the gap in the samples allows.
   static void show(const Params& par, const Gap& gap, const Wrench& wanted, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
     if (gap.showing == Showing::all) return show(par, wanted, h, x, out, limited);
-    show_round_gap(par, gap, wanted, h, x, out, limited);
+    show_after_gap(par, gap, wanted, h, x, out, limited);
   }
 
  private:
-  /// Returns `wanted`, at most as large as configured.
+  /// Returns `wanted`, shortened to the configured size.
   static Wrench in_size(const Params& par, const Wrench& wanted, Limited& limited) noexcept {
     return {.tau = bounded(wanted.tau, par.max_torque, Limited::torque, limited),
             .f = bounded(wanted.f, par.max_force, Limited::force, limited)};
   }
 
-  /// Moves the shown wrench towards F at most as fast as configured.
+  /// Moves the displayed wrench towards F, at most at the configured rate.
   static void move(const Params& par, const Wrench& F, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
     x.F_D.f += bounded(F.f - x.F_D.f, h * par.max_force_rate, Limited::force_rate, limited);
@@ -78,7 +78,7 @@ struct LimitedFeedback {
     out.F_D = x.F_D;
   }
 
-  [[gnu::noinline]] static void show_round_gap(const Params& par, const Gap& gap, const Wrench& wanted,
+  [[gnu::noinline]] static void show_after_gap(const Params& par, const Gap& gap, const Wrench& wanted,
                                                Real h, State& x, Output& out, Limited& limited) noexcept {
     if (gap.showing == Showing::still) return show(par, x.F_D, h, x, out, limited);
     if (gap.showing == Showing::fading) return show(par, {}, h, x, out, limited);
@@ -86,7 +86,7 @@ struct LimitedFeedback {
       x.force_then = x.F_D.f.norm();
       x.torque_then = x.F_D.tau.norm();
     }
-    // A bound by the gap is part of the ramp: it is no limit that a setting could raise.
+    // A bound by the gap is part of the ramp and not a configurable limit, so no limit bit is set.
     const Wrench F = in_size(par, wanted, limited);
     const Vec3 f = bounded(F.f, x.force_then + gap.growth * par.max_force, Limited::ramp, limited);
     const Vec3 tau = bounded(F.tau, x.torque_then + gap.growth * par.max_torque, Limited::ramp, limited);

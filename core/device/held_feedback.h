@@ -1,12 +1,12 @@
-// What the hand feels of a body that the device has taken hold of.
+// Displayed wrench of a gripped body.
 #pragma once
 
 #include "core/device/feedback.h"
 
 namespace godobject {
 
-/// (9)  The held body's feedback acts at its target, the hand at the device's origin. What changes when a body is taken or
-/// let go stays within the limits of size and rate.
+/// Moves the feedback from the gripped body's target to the device's origin (9), where the hand is. Changes
+/// by gripping and releasing stay within the limits of size and rate.
 struct HeldFeedback {
   using Params = FeedbackParams;  // limits; the gains are the body's own
   struct State {
@@ -14,8 +14,9 @@ struct HeldFeedback {
     Vec3 lever_W = Vec3::Zero();  // from the device's origin to the target
   };
 
-  /// To be called once a step. Wrench on the hand about the device's origin, world axes. F_W: of the held body at the
-  /// target's origin p_WT; null while nothing is held. valid: p_WD is a good sample; otherwise the last lever holds.
+  /// Returns the wrench on the hand about the device's origin, world axes; call once per step.
+  /// F_W: wrench of the gripped body at its target's origin p_WT; null without one.
+  /// valid: p_WD is a valid sample; otherwise the last lever is used.
   static Wrench show(const Params& par, const Wrench* F_W, const Vec3& p_WT, const Vec3& p_WD, bool valid,
                      Real h, State& x, Limited& limited) noexcept {
     Wrench wanted;

@@ -1,4 +1,4 @@
-// A device that takes hold of a body as it is, and lets go of it, at any time: grab and release.
+// Device that grips a body at its current pose and releases it, at any time.
 #pragma once
 
 #include "core/body/rigid_body.h"
@@ -6,18 +6,18 @@
 
 namespace godobject {
 
-/// X_AC = X_AB X_BC.
+/// Returns X_AC = X_AB X_BC.
 inline Pose composed(const Pose& X_AB, const Pose& X_BC) noexcept {
   return {.p = X_AB.p + to_world(X_AB.q, X_BC.p), .q = renormalized(X_AB.q * X_BC.q)};
 }
 
-/// X_AB = X_WA^-1 X_WB: B as A sees it.
+/// Returns X_AB = X_WA^-1 X_WB, the pose of B in A.
 inline Pose seen_from(const Pose& X_WA, const Pose& X_WB) noexcept {
   const Quat q_AW = X_WA.q.conjugate();
   return {.p = to_world(q_AW, X_WB.p - X_WA.p), .q = renormalized(q_AW * X_WB.q)};
 }
 
-/// A pull with the grip, which carries over.
+/// Coupling input with the grip, which is kept between steps.
 struct HoldingPull : Pull {
   Pose X_DB;  // the held body as the device sees it
 };
@@ -30,19 +30,18 @@ inline HoldingState carried_over(const HoldingPull& pull) noexcept {
   return {carried_over(static_cast<const Pull&>(pull)), pull.X_DB};
 }
 
-/// Gives an absolute pose, like PoseDevice, but pulls the body to the place at the device that it had when
-/// the device took hold of it. In the step in which `engaged` rises the body moves as if free and
+/// Device with absolute poses, like PoseDevice, that keeps the gripped body's pose relative to the device at
+/// gripping. In the step in which `engaged` rises, the body moves as if free and
 ///
-///   (20)  X_DB = X_WD^-1 X_WB  where that takes it at the end of the step; from then on the target is
+///   (20)  X_DB = X_WD^-1 X_WB  is taken at the end of that step; from then on the target is
 ///         X_WD X_DB, which moves with w_D and v_D + w_D x R_WD p_DB.
 ///
-/// So there is no error of pose to begin with, whatever the two do at that time, and what is left, the
-/// damping of their relative velocity, rises with the ramp (14). After a gap in the samples that is longer than
-/// a grip lasts it takes hold anew. While `engaged` is false the target is the device's own
-/// pose.
+/// The initial pose error is therefore zero for any motion of the two. The damping of their relative velocity
+/// rises with the ramp (14). After a gap longer than grip_lasts the body is gripped again at its current
+/// pose. While `engaged` is false, the target is the device's pose.
 ///
-/// One device that may hold any of several bodies: all of them get its sample, `engaged` for the one that is
-/// held.
+/// One device may grip any of several bodies: all of them get its sample, and `engaged` is true for the
+/// gripped one.
 struct HoldingDevice {
   using Params = RampParams;
   using Input = PoseDevice::Input;
@@ -65,7 +64,7 @@ struct HoldingDevice {
   }
 
  private:
-  /// (20)
+  /// Returns the target of a gripped body (20).
   static Target held(const Pose& X_WD, const Twist& V_WD, const Pose& X_DB) noexcept {
     const Vec3 p_DB_W = to_world(X_WD.q, X_DB.p);
     // NOLINTNEXTLINE(readability-suspicious-call-argument): frames make names look swapped.

@@ -1,4 +1,4 @@
-// Ball joint: all turns about one point.
+// Ball joint: all rotations about one point.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -7,7 +7,7 @@ namespace godobject {
 
 struct BallJoint {
   static constexpr const char* name = "ball";
-  static constexpr const char* meaning = "turn about a point";  // what the child may do
+  static constexpr const char* meaning = "turn about a point";  // motion of the child against the parent
 
   static JointMotion<3, 0> motion(const JointFrames& X) noexcept {
     JointMotion<3, 0> m;

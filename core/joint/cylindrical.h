@@ -1,4 +1,4 @@
-// Cylindrical joint: a turn about and a slide along the z axes of both frames.
+// Cylindrical joint: rotation about and translation along the z axes of both frames.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -7,7 +7,8 @@ namespace godobject {
 
 struct CylindricalJoint {
   static constexpr const char* name = "cylindrical";
-  static constexpr const char* meaning = "turn about z and slide along it";  // what the child may do
+  static constexpr const char* meaning = "turn about z and slide along it";  // motion of the child against
+                                                                             // the parent
 
   static JointMotion<1, 1> motion(const JointFrames& X) noexcept {
     const Vec3 z = X.R_WP.col(2);

@@ -1,4 +1,4 @@
-// The joints of bodies that touch, where a stage is predicted to end, about the bodies' centres of mass.
+// Joints of bodies with contacts, at the predicted end of a stage, about the bodies' centres of mass.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// The joint of a body where a stage is predicted to end. Scratch: undefined between steps.
+/// Joint of a body at the predicted end of a stage. Undefined between steps.
 struct JointEdge {
   JointKind kind{};
   std::size_t parent = world;
@@ -22,30 +22,30 @@ struct JointEdge {
   bool on_world() const noexcept { return kind != JointKind::free && parent == world; }
   bool on_body() const noexcept { return parent != world; }
   bool has_stops() const noexcept { return stop_D[0] > 0 || stop_D[1] > 0 || slide_D > 0; }
-  /// Effective mass on coordinate k.
+  /// Returns the effective mass on coordinate k.
   Real on_coordinate(int k) const noexcept {
     return stop_D[static_cast<std::size_t>(k)] + (k >= num_turns ? slide_D : 0);
   }
 };
 
-/// Twist at p of a turn about, or a slide along, axis k.
+/// Returns the twist at p of a rotation about, or a translation along, axis k.
 inline SpatialVector axis_twist(const JointEdge& edge, int k, const Column& p) noexcept {
   const Column& s = edge.s[static_cast<std::size_t>(k)];
   if (k >= edge.num_turns) return {.w = Column(Pack(0)), .v = s};
   return {.w = s, .v = cross(s, p - edge.a_W)};
 }
-/// Wrench about p of a torque about, or a force along, axis k.
+/// Returns the wrench about p of a torque about, or a force along, axis k.
 inline SpatialVector axis_wrench(const JointEdge& edge, int k, const Column& p) noexcept {
   const Column& s = edge.s[static_cast<std::size_t>(k)];
   if (k < edge.num_turns) return {.w = s, .v = Column(Pack(0))};
   return {.w = cross(edge.a_W - p, s), .v = s};
 }
 
-/// The joints of all bodies to their parents, and how the bodies move by them.
+/// Joints of all bodies to their parents, with the motion that they transmit.
 template <std::size_t N>
 struct JointEdges {
   std::array<JointEdge, N> edges;
-  std::array<bool, N> joined;        // on a joint, or something hangs on it by one
+  std::array<bool, N> joined;        // true if the body is a parent or a child of a joint
   std::array<Column, N> p;           // centres of mass
   std::array<SpatialVector, N> V_p;  // twists that obey the joints
 };

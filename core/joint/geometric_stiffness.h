@@ -1,10 +1,10 @@
-// Geometric stiffness: what forces and torques do to a stage because the bodies turn on which they act.
+// Geometric stiffness: the effect on a stage of forces and torques whose levers rotate with the bodies.
 //
-// A joint that bears much against a small inertia is stiff, however soft all springs are: a rope under load swings
-// fast. What is left explicit of it makes light bodies between strong forces swing for ever, such as those of a tool
-// whose targets contradict its joints. It is taken as K (w+ - w^), w^ what the stage is linearised for: a force of the
-// order of the acceleration and of h^2, so the integrators keep their order. K has no negative part: what that drives
-// apart, the motion does by itself.
+// A large constraint force on a light body acts as a stiff spring (a taut rope oscillates fast), however soft
+// the springs are. Without it, light bodies between strong forces oscillate for ever, such as those of a tool
+// whose targets contradict its joints. It enters as K (w+ - w^), w^ the linearisation point. That force is of
+// the order of the acceleration and of h^2, so the integrators keep their order. K has no negative part:
+// motions that it would drive apart need no stabilisation.
 #pragma once
 
 #include <limits>
@@ -15,8 +15,9 @@
 
 namespace godobject {
 
-/// (21)  A force F at the end of a lever d does d x F. As the lever turns that changes by K w, of which this is the
-/// part that pulls back. With a = |F|, b = |d|, s = F . d and the eigenvectors F/a + d/b, F/a - d/b and F x d,
+/// Returns the restoring part of the stiffness of a force F at the end of a lever d (21). Its torque is d x
+/// F; as the lever rotates, the torque changes by K w. With a = |F|, b = |d|, s = F . d and the eigenvectors
+/// F/a + d/b, F/a - d/b and F x d,
 ///
 ///   K = (a b + s) 1 / 2 - (b F + a d)(b F + a d)^T / (4 a b) - (F x d)(F x d)^T / (2 (a b + |s|))
 template <class T>
@@ -33,8 +34,8 @@ Matrix3<T> lever_stiffness(const Vector3<T>& d, const Vector3<T>& F) noexcept {
   return K;
 }
 
-/// The rest of that stiffness which is not symmetric, in axes that turn with the body. It does no work on w+ - w^; at rest it is what
-/// cancels the same part of the torques (11) that hold against F.
+/// Returns the skew part of that stiffness, in axes that turn with the body. It does no work on w+ - w^. At
+/// rest it cancels the same part of the torques (11) that balance F.
 ///
 ///   K_skew = -[d x F]x / 2
 template <class T>
@@ -42,47 +43,48 @@ Matrix3<T> lever_skew(const Vector3<T>& d, const Vector3<T>& F) noexcept {
   return skew<T>(F.cross(d) * T(Real(0.5)));
 }
 
-/// (21) of the part of F along d alone, where it pulls: s (1 - d d^T / b^2).
+/// Returns the stiffness (21) of the component of F along d alone, if it pulls: s (1 - d d^T / b^2).
 inline Block pull_stiffness(const Column& d, const Vec3& F) noexcept {
   const Real pull = std::max(dot(d, Column(F)), Real(0));
   const Column sd = d * (pull / std::max(dot(d, d), std::numeric_limits<Real>::min()));
   return Block::identity() * dot(sd, d) - outer(sd, d);
 }
 
-/// The mean of the diagonal of a block of an A.
+/// Returns the mean of the diagonal of a block of an A.
 inline Real mean_of(const Block& A) noexcept { return (A.col[0].x() + A.col[1].y() + A.col[2].z()) / 3; }
 
 inline Block block_of(const Mat3& A) noexcept {
   return {{Column(Vec3(A.col(0))), Column(Vec3(A.col(1))), Column(Vec3(A.col(2)))}};
 }
 
-/// (21) of a force F at r from what a body turns about, into its A and b; h^2 F. w: its predicted angular velocity.
-/// is_whole: with its skew part, which an A that is to be symmetric cannot take.
+/// Adds the stiffness (21) of a force F at r from the centre of rotation to a body's A and b, times h^2.
+/// w: predicted angular velocity. is_whole: include the skew part, which a symmetric A cannot contain.
 template <bool is_whole, class T>
 void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matrix3<T>& A,
              Vector3<T>& b) noexcept {
-  const T felt = felt_share * A.trace() * T(Real(1) / 3);
-  if (!any(felt * felt < F.squaredNorm() * r.squaredNorm())) return;
+  const T min_stiffness = min_stiffness_share * A.trace() * T(Real(1) / 3);
+  if (!any(min_stiffness * min_stiffness < F.squaredNorm() * r.squaredNorm())) return;
   Matrix3<T> K = lever_stiffness<T>(r, F);
   if constexpr (is_whole) K += lever_skew<T>(r, F);
   A += K;
   b += K * w;
 }
 
-/// What a joint adds to the A of the stages of its bodies: K of any turn of the parent, so much of any turn of the child, and of
-/// the rate of its slide, which leaves the momentum of both as it is.
+/// Stiffness that a joint adds to A of its bodies: for any rotation of the parent, for any rotation of the
+/// child, and for the rate of its slide. The slide's leaves the momentum of both bodies unchanged.
 struct JointStiffness {
   Block parent = Block::zero();
   Real turn = 0, slide = 0;
   bool is_stiff = false;  // the part that is left out may turn a body round within a stage
 };
 
-/// Its lever d from the parent's anchor to the child's and r from the child's anchor to its centre of mass; A_ww of
-/// either body, and the child's mass and coupling M. F_C: of the joint on the child.
+/// Returns the stiffness of a joint.
+/// d: lever from the parent's anchor to the child's. r: from the child's anchor to its centre of mass. A_ww:
+/// rotational block of either body. M: the child's mass and coupling. F_C: wrench of the joint on the child.
 ///
-/// (40)  Axes of the joint turn with the parent, so that a torque tau across them couples turns of both bodies by no
-/// more than |tau| / 2, and a force f across a slide its rate and the parent's turns by |f|. Both are taken as what
-/// bounds them on the diagonal.
+/// Axes of the joint turn with the parent (40). A torque tau across them couples rotations of both bodies by
+/// at most |tau| / 2. A force f across a slide couples its rate and the parent's rotation by |f|. Both enter
+/// as bounds on the diagonal.
 template <class Motion>
 [[gnu::noinline]] JointStiffness joint_stiffness(const Column& d, const Vec3& r, const Wrench& F_C, Real h,
                                                  Real A_parent, Real A_child, Real M) noexcept {
@@ -106,16 +108,16 @@ template <class Motion>
   return K;
 }
 
-/// Whether a stage feels it: not where it is small against what bears it, A of either body.
-inline bool is_felt(const Column& d, const Vec3& r, const Wrench& F_C, Real h, Real A_parent,
-                    Real A_child) noexcept {
-  const Real A = felt_share * std::min(A_parent, A_child), hh = h * h;
+/// True if the stiffness is significant against A of either body.
+inline bool is_significant(const Column& d, const Vec3& r, const Wrench& F_C, Real h, Real A_parent,
+                           Real A_child) noexcept {
+  const Real A = min_stiffness_share * std::min(A_parent, A_child), hh = h * h;
   return hh * hh *
              std::max(F_C.f.squaredNorm() * std::max(dot(d, d), r.squaredNorm()), F_C.tau.squaredNorm()) >
          A * A;
 }
 
-/// A body of a joint in its stage, about its anchor or centre of mass. Mass: a number, or a block.
+/// Body of a joint in its stage, about its anchor or centre of mass. Mass: a number, or a block.
 template <class Mass>
 struct StiffenedBody {
   Block& A_ww;
@@ -125,9 +127,9 @@ struct StiffenedBody {
 };
 inline Real mean_of(Real M) noexcept { return M; }
 
-/// (21), (40)  Into the stages of a joint's bodies: A is that much more than it would be, and b as much as that where the
-/// velocities are those predicted. has_parent: on a parent, not on the world. Returns the effective mass that a slide's
-/// coordinate gets likewise, kg.
+/// Adds the stiffness (21), (40) to the stages of a joint's bodies: to A, and to b its product with the
+/// predicted velocities. has_parent: the parent is a body, not the world. Returns the effective mass added to
+/// the coordinate of a slide, kg.
 template <class Motion, class Mass>
 [[nodiscard]] Real stiffen(const Column& lever, const Vec3& r, const Wrench& F_C, Real h, bool has_parent,
                            const StiffenedBody<Mass>& parent, const StiffenedBody<Mass>& child,
@@ -135,7 +137,7 @@ template <class Motion, class Mass>
   const Column d = has_parent ? lever : Column(Pack(0));
   const Real A_child = mean_of(child.A_ww),
              A_parent = has_parent ? mean_of(parent.A_ww) : std::numeric_limits<Real>::max();
-  if (!is_felt(d, r, F_C, h, A_parent, A_child)) return 0;
+  if (!is_significant(d, r, F_C, h, A_parent, A_child)) return 0;
   const JointStiffness K = joint_stiffness<Motion>(d, r, F_C, h, A_parent, A_child, mean_of(child.A_vv));
   is_stiff |= K.is_stiff;
   child.A_ww += Block::identity() * K.turn;

@@ -1,4 +1,4 @@
-// Hinge: a turn about the z axes of both frames.
+// Hinge: rotation about the z axes of both frames.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -7,7 +7,7 @@ namespace godobject {
 
 struct HingeJoint {
   static constexpr const char* name = "hinge";
-  static constexpr const char* meaning = "turn about z";  // what the child may do
+  static constexpr const char* meaning = "turn about z";  // motion of the child against the parent
 
   static JointMotion<1, 0> motion(const JointFrames& X) noexcept {
     JointMotion<1, 0> m;
@@ -21,7 +21,7 @@ struct HingeJoint {
     return {angle_of(X.R_WP.col(1).dot(X.R_WC.col(0)), X.R_WP.col(0).dot(X.R_WC.col(0))), 0};
   }
 
-  /// The frames seen from the parent's frame at coordinates q.
+  /// Returns the frames at coordinates q, in the parent's frame.
   static JointFrames at(const JointFrames& X, const JointCoordinates& q) noexcept {
     return {.R_WP = turned(X.R_WP, 2, q[0]), .R_WC = X.R_WC, .d_W = X.d_W};
   }

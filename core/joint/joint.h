@@ -1,13 +1,9 @@
-// Joints between bodies, or a body and the world: what they are and how they let the child move.
+// Joints between bodies, or a body and the world: parameters and allowed motion.
 //
 // A joint has a frame on the parent (P) and one on the child (C); they coincide at joint coordinate zero. Its
-// motion is a list of axes, turns about and slides along them, one per coordinate. At an instant a joint gives its
-// axes and how far it is violated, e. The solver needs nothing else: a new joint is one file like hinge.h, named in
-// list.h.
-//
-// The room: a file a kind, list.h with all of them, stops.h (19), imposed.h for coordinates that the device leads,
-// turns.h counts turns, stabilisation.h (5), (18); tree.h and tree_solve.h solve a tree of bodies in linear
-// time (7).
+// motion is a list of axes, rotations about and translations along them, one per coordinate. At an instant a
+// joint yields its axes and its violation e; the solver needs nothing else. A new joint is one file like
+// hinge.h, named in list.h.
 #pragma once
 
 #include <array>
@@ -21,7 +17,7 @@ enum class JointKind : std::uint8_t;  // core/joint/list.h
 
 inline constexpr std::size_t world = static_cast<std::size_t>(-1);
 
-/// A frame on a body, in body axes about its centre of mass; on the world, in world axes.
+/// Frame on a body, in body axes about its centre of mass; on the world, in world axes.
 struct JointFrame {
   Vec3 p = Vec3::Zero();
   Mat3 R = Mat3::Identity();
@@ -29,9 +25,9 @@ struct JointFrame {
 
 inline JointFrame joint_frame(const Pose& X) noexcept { return {.p = X.p, .R = X.q.toRotationMatrix()}; }
 
-/// How a body hangs on its parent.
+/// Parameters of the joint between a body and its parent.
 struct JointParams {
-  JointKind kind{};            // free: it hangs on nothing
+  JointKind kind{};            // free: no joint
   std::size_t parent = world;  // index of a body before this one, or world
   JointFrame P;                // on the parent
   JointFrame C;                // on this body
@@ -44,8 +40,8 @@ struct JointFrames {
   Vec3 d_W;  // from the parent's anchor to the child's, m
 };
 
-/// Allowed motion and violation of a joint, world axes: coordinates are the turns, then the slides. Three turns are
-/// all turns: no axes are named.
+/// Allowed motion and violation of a joint, world axes. Coordinates are the rotations, then the translations.
+/// Three rotations are all rotations, and no axes are named.
 template <int turns, int slides>
 struct JointMotion {
   static constexpr int num_turns = turns;
@@ -56,14 +52,14 @@ struct JointMotion {
   Vec3 e_v = Vec3::Zero();                          // m: undone by shifting the child's anchor by -e_v
 };
 
-/// Coordinates of a joint that has at most two: turns, then slides, rad and m.
+/// Coordinates of a joint, at most two: rotations, then translations, rad and m.
 using JointCoordinates = Eigen::Matrix<Real, 2, 1>;
 
-/// Angle in [-pi, pi] with this sine and cosine, scaled alike.
+/// Returns the angle in [-pi, pi] with this sine and cosine, which may be scaled alike.
 inline Real angle_of(Real sine, Real cosine) noexcept {
   const Real n = std::sqrt(sine * sine + cosine * cosine);
   const Real c = n > 0 ? cosine / n : 1, s = n > 0 ? sine / n : 0;
-  // half the angle, from whichever of 1 + c and 1 - c is not small
+  // half the angle, from the larger of 1 + c and 1 - c
   const Real big = std::sqrt(Real(0.5) * (1 + std::abs(c)));
   const Real small = std::abs(s) / (2 * big);
   const Real w = c > 0 ? big : small, v = c > 0 ? small : big;
@@ -72,8 +68,8 @@ inline Real angle_of(Real sine, Real cosine) noexcept {
 
 /// Returns the number of whole turns nearest to an angle, rad; the even one of two that are equally near.
 inline Real whole_turns(Real angle) noexcept {
-  // From here on neighbouring numbers are 1 apart: the sum rounds to an integer. The compiler would fuse a product,
-  // unlike this quotient, with the sum: half a turn would be no tie.
+  // above this, neighbouring numbers are 1 apart, so the sum rounds to an integer; a product instead of this
+  // quotient might be fused with the sum, and half a turn would be no tie
   constexpr Real integers = 0x1.8p52;
   return (angle / (2 * pi) + integers) - integers;
 }

@@ -1,4 +1,4 @@
-// Every kind of joint: a new one is a file, and named here.
+// List of all kinds of joints. A new kind is one file, named here.
 #pragma once
 
 #include "core/joint/ball.h"
@@ -10,10 +10,10 @@
 
 namespace godobject {
 
-/// How a body may move against its parent; free: it hangs on nothing.
+/// Motion of a body against its parent; free: no joint.
 enum class JointKind : std::uint8_t { free, fixed, ball, hinge, slider, cylindrical, universal };
 
-/// Calls f with the joint type of this kind; nothing for `free`.
+/// Calls f with the joint type of this kind; does nothing for `free`.
 template <class F>
 void with_joint(JointKind kind, F&& f) noexcept {
   switch (kind) {
@@ -27,7 +27,7 @@ void with_joint(JointKind kind, F&& f) noexcept {
   }
 }
 
-/// Turns and slides of a joint of this kind.
+/// Numbers of rotations and translations of a joint of this kind.
 struct NumAxes {
   int turns = 0, slides = 0;
 };

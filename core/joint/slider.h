@@ -1,4 +1,4 @@
-// Slider: a slide along the z axes of both frames.
+// Slider: translation along the z axes of both frames.
 #pragma once
 
 #include "core/joint/fixed.h"
@@ -7,7 +7,7 @@ namespace godobject {
 
 struct SliderJoint {
   static constexpr const char* name = "slider";
-  static constexpr const char* meaning = "slide along z";  // what the child may do
+  static constexpr const char* meaning = "slide along z";  // motion of the child against the parent
 
   static JointMotion<0, 1> motion(const JointFrames& X) noexcept {
     const Vec3 z = X.R_WP.col(2);

@@ -1,4 +1,4 @@
-// Stops: springs at the ends of a joint's coordinates, entered smoothly.
+// Stops: springs at the ends of a joint's coordinates, with a smooth onset.
 #pragma once
 
 #include <limits>
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// Ends of one coordinate (rad or m); turns may go on beyond +-pi, since they are counted.
+/// Ends of one coordinate, rad or m. Rotations may exceed +-pi, because turns are counted.
 struct StopParams {
   Real lower = -std::numeric_limits<Real>::infinity();
   Real upper = std::numeric_limits<Real>::infinity();
@@ -16,7 +16,7 @@ struct StopParams {
   Real width = 0;  // over which k and g rise from zero, rad or m, > 0
 };
 
-/// The stops part of a joint: one for each of its coordinates, turns first.
+/// Stops part of a joint: one for each of its coordinates, rotations first.
 struct JointStops {
   struct Params {
     std::array<StopParams, 2> stops;
@@ -26,9 +26,9 @@ struct JointStops {
   };
 };
 
-/// Returns the coordinate at which a joint starts whose turn is measured as `angle`, rad. It stays where it is
-/// between the stops, or no deeper in one than its width; otherwise it is moved by whole turns to be nearest to the
-/// middle of the stops. A missing end is taken half a turn beyond the other one.
+/// Returns the initial coordinate of a joint whose rotation is measured as `angle`, rad. Unchanged between
+/// the stops, or at most their width deep in one. Otherwise moved by whole turns to be nearest to the middle
+/// of the stops. A missing end counts as half a turn beyond the other one.
 inline Real start_coordinate(const StopParams& par, Real angle) noexcept {
   constexpr Real open = std::numeric_limits<Real>::infinity();
   if (angle >= par.lower - par.width && angle <= par.upper + par.width) return angle;
@@ -37,10 +37,12 @@ inline Real start_coordinate(const StopParams& par, Real angle) noexcept {
   return unwrapped(angle, Real(0.5) * (lower + upper));
 }
 
-/// (19)  at depth d beyond an end, with s = min(d, width):  T = -(k s (d - s/2) + g s q') / width
+/// Returns the terms of a stop (19), at depth d beyond an end, with s = min(d, width):
 ///
-/// Linearised at the coordinate q^ and rate q^' predicted for the end of the stage; the stage solves for the rate
-/// beyond q^'. The spring is convex and stands at most where it is predicted: it never pulls and, like the
+///   T = -(k s (d - s/2) + g s q') / width
+///
+/// Linearised at the coordinate q^ and rate q^' predicted for the end of the stage; the stage solves for the
+/// rate beyond q^'. The spring is convex and at most as compressed as predicted. It never pulls and, like the
 /// coupling, never adds energy.
 inline AxisTerms stop_terms(const StopParams& par, Real q, Real rate, Real h) noexcept {
   const Real below = std::max(par.lower - q, Real(0)), above = std::max(q - par.upper, Real(0));
@@ -53,7 +55,8 @@ inline AxisTerms stop_terms(const StopParams& par, Real q, Real rate, Real h) no
   return {.D = h * (g + h * k), .tau = -h * (side * k * (d - Real(0.5) * s) + g * rate)};
 }
 
-/// Returns the branch of (19) at q: 0 between the ends; beyond one +-1, deeper than `width` +-2.
+/// Returns the branch of the stop's law (19) at q: 0 between the ends; beyond one +-1, deeper than `width`
+/// +-2.
 inline int stop_branch(const StopParams& par, Real q) noexcept {
   if (q < par.lower) return par.lower - q > par.width ? -2 : -1;
   if (q > par.upper) return q - par.upper > par.width ? 2 : 1;

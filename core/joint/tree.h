@@ -1,20 +1,20 @@
 // A tool of bodies on joints: the articulated part of a scene.
 //
-// Joints are taken where they will be at the end of the stage: L and g at the pose the base's velocity V^
-// predicts, so that
+// Joints are evaluated at the end of the stage: L and g at the pose predicted from the base's velocity V^, so
+// that
 //
 //   (18)  L V+ = L V^ - g / h
 //
-// leaves a violation of the order of the square of h (V+ - V^), not of h V. The direction of the joint forces is
-// second order for the same reason.
+// leaves a violation of the order of the square of h (V+ - V^), not of h V. The direction of the joint forces
+// is of second order for the same reason.
 #pragma once
 
 #include <limits>
 
 #include "core/body/implicit_stage.h"
 #include "core/joint/geometric_stiffness.h"
-#include "core/joint/imposed.h"
 #include "core/joint/list.h"
+#include "core/joint/prescribed.h"
 #include "core/joint/stabilisation.h"
 #include "core/joint/stops.h"
 #include "core/joint/tree_solve.h"
@@ -24,49 +24,53 @@
 
 namespace godobject {
 
-/// The joints part of a scene: one joint for each body, to a body before it or the world. Stops: JointStops or None.
-/// Imposed: ImposedJoints or None.
-template <class Stops_ = None, class Imposed_ = None, class Stabilisation_ = AtPrediction>
+/// Joints part of a scene: one joint for each body, to a body before it or the world.
+/// Stops: JointStops or None. Prescribed: PrescribedJoints or None.
+template <class Stops_ = None, class Prescribed_ = None, class Stabilisation_ = AtPrediction>
 struct TreeJoints {
   using Stops = Stops_;
-  using Imposed = Imposed_;
+  using Prescribed = Prescribed_;
   using Stabilisation = Stabilisation_;
   struct Params : JointParams {
     [[no_unique_address]] Slot<typename Stops::Params, 5> stop;
-    [[no_unique_address]] Slot<typename Imposed::Params, 6> lead;
-    bool driven = true;  // false: the device has no motor on this link; its feedback goes to the parent's (9)
+    [[no_unique_address]] Slot<typename Prescribed::Params, 6> motion;
+    bool driven = true;  // true if the device has a motor on this link; otherwise its feedback goes to the
+                         // parent (9)
   };
-  /// Coordinates are state where they have stops.
-  struct State : Imposed::State, std::conditional_t<uses<Stops>, typename Stops::State, Absent<26>> {
+  /// Coordinates are state if the joints have stops.
+  struct State : Prescribed::State, std::conditional_t<uses<Stops>, typename Stops::State, Absent<26>> {
     Wrench F_C;  // of the joint in the last step
   };
-  using Input = typename Imposed::Input;
+  using Input = typename Prescribed::Input;
   struct Output {
     Wrench F_C;  // of the joint on the child at its anchor, world axes, mean over the step
   };
 };
 
-/// Joints of the scene may have stops: their coordinates are state, and count turns.
+/// True if joints of the scene may have stops. Their coordinates are then state, and turns are counted.
 template <class S>
 inline constexpr bool counts_turns = requires(const typename S::Joints::State& x) {
   x.q;
 };
 
-/// f(kind, motion) of joint i: motion(X) is what it allows at frames X, which is nothing where the device leads it.
-template <class Joints, class Led, class F>
-void with_motion(const typename Joints::Params& par, [[maybe_unused]] const Led& led,
-                 [[maybe_unused]] std::size_t i, F f) noexcept {
+/// Calls f(kind, motion) for joint i. motion(X): allowed motion at frames X, none for a prescribed joint.
+template <class Joints, class PrescribedCoordinates, class F>
+void with_motion(const typename Joints::Params& par,
+                 [[maybe_unused]] const PrescribedCoordinates& prescribed_q, [[maybe_unused]] std::size_t i,
+                 F f) noexcept {
   with_joint(par.kind, [&](auto kind) {
     using Kind = decltype(kind);
-    if constexpr (uses<typename Joints::Imposed> && requires { Kind::at(JointFrames{}, led[i]); }) {
-      if (par.lead.imposed)
-        return f(kind, [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, led[i])); });
+    if constexpr (uses<typename Joints::Prescribed> &&
+                  requires { Kind::at(JointFrames{}, prescribed_q[i]); }) {
+      if (par.motion.prescribed)
+        return f(kind,
+                 [&](const JointFrames& X) { return FixedJoint::motion(Kind::at(X, prescribed_q[i])); });
     }
     f(kind, [](const JointFrames& X) { return Kind::motion(X); });
   });
 }
 
-/// Where a body of the tree is, and how it moves.
+/// Place and velocity of a body of the tree.
 template <class T>
 struct TreePlaceOf {
   Vector3<T> p_W = Vector3<T>::Zero();
@@ -76,7 +80,7 @@ struct TreePlaceOf {
 };
 using TreePlace = TreePlaceOf<Real>;
 
-/// A body with its anchor at p_C, body axes.
+/// Returns the place of a body with its anchor at p_C, body axes.
 template <class T>
 TreePlaceOf<T> place(const Vector3<T>& p_C, const RigidBodyStateOf<T>& x) noexcept {
   const Matrix3<T> R = x.X_WB.q.toRotationMatrix();
@@ -92,7 +96,7 @@ TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
           .V = {.w = lane(at.V.w, j), .v = lane(at.V.v, j)}};
 }
 
-/// A body of the tree during a stage. Scratch: undefined between steps, but for the joint's wrench. As it stands: the world.
+/// Body of the tree during a stage; default: the world. Undefined between steps, except the joint's wrench.
 struct TreeNode {
   TreePlace at;          // predicted end of the stage
   ArticulatedBody body;  // at the anchor of its joint
@@ -103,13 +107,14 @@ struct TreeNode {
   Wrench F_C;
 };
 
-/// What a stage is told of joints, and what it says of them. Scratch: undefined between steps.
+/// Per-stage inputs and flags of the joints. Undefined between steps.
 template <std::size_t N, class Joints>
 struct JointsInStage {
   using Coordinates =
       std::conditional_t<uses<typename Joints::Stops>, std::array<JointCoordinates, N>, Absent<27>>;
 
-  std::conditional_t<uses<typename Joints::Imposed>, std::array<JointCoordinates, N>, Absent<8>> led;
+  std::conditional_t<uses<typename Joints::Prescribed>, std::array<JointCoordinates, N>, Absent<8>>
+      prescribed_q;
   [[no_unique_address]] Coordinates q;  // where the stage starts, turns counted
   bool is_stiff =
       false;  // a stop or a force of a joint may have turned something round within the last stage
@@ -122,7 +127,7 @@ template <std::size_t N, class Joints>
 struct Tree : JointsInStage<N, Joints> {
   std::array<TreeNode, N> nodes;
   TreeNode ground;
-  // places where the stage starts
+  // places at the start of the stage
   std::conditional_t<Joints::Stabilisation::uses_base, std::array<TreePlace, N + 1>, Absent<7>> bases;
 
   TreeNode& parent(const JointParams& par) noexcept {
@@ -130,7 +135,7 @@ struct Tree : JointsInStage<N, Joints> {
   }
 };
 
-/// Where the velocities of the base lead to in a time h.
+/// Returns the body moved by the velocities of the base for a time h, s.
 template <class T>
 RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h, Real max_turn) noexcept {
   const T turn_sq = h * h * base.w_B.squaredNorm();
@@ -140,8 +145,8 @@ RigidBodyStateOf<T> predicted(const RigidBodyStateOf<T>& base, Real h, Real max_
           .w_B = move * base.w_B};
 }
 
-/// Puts the stage equations of a group of bodies into the tree: world axes at the predicted attitude, about the
-/// joints' anchors.
+/// Loads the stage equations of a group of bodies into the tree: world axes at the predicted attitude, about
+/// the joints' anchors.
 template <Scene S, class T>
 void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
           const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
@@ -153,13 +158,13 @@ void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
   const TreePlaceOf<T> at = place<T>(p_C, predicted(base, h, max_turn));
   const Matrix3<T>& R = at.R_WB;
 
-  // about the anchor, of which the centre of mass is r away and moves with v + w x r
+  // about the anchor; the centre of mass is r away and moves with v + w x r
   const Vector3<T> r = at.p_W - at.a_W;
   const Vector3<T> Mr = translation.M * r;
   Matrix3<T> A_ww = R * rotation.A_B * R.transpose() - Mr * r.transpose();
   A_ww.diagonal().array() += Mr.dot(r);
   Vector3<T> b_w = R * rotation.b_B + r.cross(translation.b_W);
-  // a second-order stage grows by what A is wrong in its skew part; implicit Euler bears it, and drifts less without
+  // second-order stages diverge if A lacks its skew part; implicit Euler tolerates that, and drifts less
   stiffen<S::Integrator::order == 2, T>(r, h * h * F_W, at.V.w, A_ww, b_w);
 
   const T zero = 0;
@@ -182,21 +187,21 @@ void load(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
   }
 }
 
-/// Body i of a scene, or the world.
+/// Returns the place of body i of a scene, or of the world.
 template <Scene S>
 TreePlace place_of(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
   return i == world ? TreePlace{} : place<Real>(par.bodies[i].joint.C.p, x.bodies[i].x);
 }
 
-/// The joint's frames, and how its child moves against its parent.
+/// Returns the joint's frames and the velocity of its child against its parent.
 inline JointAt joint_at(const JointParams& par, const TreePlace& P, const TreePlace& C) noexcept {
   const Vec3 V_P = P.V.v + P.V.w.cross(C.a_W - P.a_W);
   return {.X = {.R_WP = P.R_WB * par.P.R, .R_WC = C.R_WB * par.C.R, .d_W = C.a_W - P.p_W - P.R_WB * par.P.p},
           .V = {.w = C.V.w - P.V.w, .v = C.V.v - V_P}};
 }
 
-/// A joint out of the system: what is left of the child hangs on the parent. q: predicted coordinates, for stops. on_slide: on the
-/// rate of a slide (40).
+/// Eliminates a joint and its child (7): adds the child's articulated inertia and bias to the parent.
+/// q: predicted coordinates, for stops. on_slide: effective mass on the rate of a slide (40), kg.
 template <class Joints, class Motion>
 void eliminate(const typename Joints::Params& par, const Motion& m, const JointCoordinates& q,
                const AxisTerms& on_slide, Real h, TreeNode& child, TreeNode& parent, bool& is_stiff,
@@ -205,11 +210,11 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
   const bool has_parent = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
   if constexpr (Motion::num_turns == 3) {
-    set_off_shift(a, child.beta.v);  // any turn is allowed: beta has none
+    add_shift_bias(a, child.beta.v);  // any turn is allowed: beta has none
     eliminate_turns(a);
     if (has_parent) add_mass_to_parent(a, child.d, parent.body);
   } else {
-    set_off(a, child.beta);
+    add_bias(a, child.beta);
     std::size_t c = 0;
     constexpr std::size_t last = Motion::num_turns + Motion::num_slides - 1;
     const auto axis = [&]<bool turns>(std::bool_constant<turns>, const Vec3& s) noexcept {
@@ -232,7 +237,7 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
   }
 }
 
-/// The twist of a child, and the wrench its joint needs, F = A_a X V_parent - b_a.
+/// Computes the twist of a child and the wrench of its joint, F = A_a X V_parent - b_a.
 template <class Motion>
 void solve_back(bool has_parent, Real h, const TreeNode& parent, TreeNode& child) noexcept {
   const ArticulatedBody& a = child.body;
@@ -257,13 +262,14 @@ void solve_back(bool has_parent, Real h, const TreeNode& parent, TreeNode& child
   child.F_C = {.tau = (F.w * (1 / h)).vec(), .f = (F.v * (1 / h)).vec()};
 }
 
-/// Joint i and its child out of the system, children before parents. f_C: of the joint in the step before.
+/// Eliminates joint i and its child, children before parents. f_C: force of the joint in the previous step,
+/// N.
 template <class Joints, std::size_t N>
 void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& F_C, Real h,
                Tree<N, Joints>& tree) noexcept {
   TreeNode& child = tree.nodes[i];
   TreeNode& parent = tree.parent(par);
-  with_motion<Joints>(par, tree.led, i, [&](auto kind, auto motion) {
+  with_motion<Joints>(par, tree.prescribed_q, i, [&](auto kind, auto motion) {
     const JointAt joint = joint_at(par, parent.at, child.at);
     child.d = Column(Vec3(child.at.a_W - parent.at.a_W));
     const auto m = motion(joint.X);
@@ -297,13 +303,13 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
   });
 }
 
-/// Twist of body i, parents before children.
+/// Computes the velocity of body i, parents before children.
 template <class Joints, std::size_t N>
 StageVelocity solve_back(const typename Joints::Params& par, std::size_t i, Real h,
                          Tree<N, Joints>& tree) noexcept {
   TreeNode& node = tree.nodes[i];
   if (par.kind == JointKind::free) node.V = solved(node.body.A, node.body.b);
-  with_motion<Joints>(par, tree.led, i, [&](auto, auto motion) {
+  with_motion<Joints>(par, tree.prescribed_q, i, [&](auto, auto motion) {
     solve_back<decltype(motion(JointFrames{}))>(par.parent != world, h, tree.parent(par), node);
   });
   const Vec3 w_W = node.V.w.vec();

@@ -1,19 +1,19 @@
-// The bodies of a tree of joints solved together, in time linear in their number: equation (7), eliminated
-// from the leaves to the root and solved back, never as a matrix of the whole (docs/decisions/014).
+// Solution of a tree of jointed bodies in linear time (7): elimination from the leaves to the root, then back
+// substitution, without a matrix of the whole (docs/decisions/014).
 //
-// Unknown: the twist V = (w, v) of every body, world axes, v of the anchor of its joint. A body alone obeys
-// A V = b (its stage, (10) and (11)). A joint says how its body may move against its parent,
+// Unknown: the twist V = (w, v) of every body, world axes, v of the anchor of its joint. A free body obeys A
+// V = b, its stage (10) and (11). A joint restricts the motion of its body against the parent,
 //
 //   (5)   V_child = X V_parent + S q' + beta
 //
-// with S the allowed motion, beta what takes back the violation, X the shift of a rigid motion. The
+// with S the allowed motion, beta the correction of the violation, X the shift of a rigid motion. The
 // multipliers of (4) act across S only, S^T (A V - b) = 0, which eliminates q' and then the child:
 //
 //   (7)   D = S^T A S,  A_a = A - A S D^-1 S^T A,  b_a = (1 - A S D^-1 S^T) (b - A beta)
 //         A_parent += X^T A_a X,  b_parent += X^T b_a
 //
-// one axis of S after the other, so D is a number; all three turns of a ball joint at once, with a 3 x 3 D.
-// What is left, F = A_a X V_parent - b_a, is the impulse of the joint on the child: the multipliers.
+// Axes of S are eliminated one after the other, so D is a number; the rotations of a ball joint at once, with
+// a 3 x 3 D. The residual F = A_a X V_parent - b_a is the impulse of the joint on the child: the multipliers.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -21,39 +21,39 @@
 
 namespace godobject {
 
-/// A body with everything that hangs on it: A V = b, V at the anchor of its joint.
+/// Articulated body, with all its descendants: A V = b, V at the anchor of its joint.
 struct ArticulatedBody {
   SpatialMatrix A;
   SpatialVector b;
 };
 
-/// What acts along an eliminated axis itself: adds to its D and its tau.
+/// Effective mass and impulse along an eliminated axis, added to its D and tau.
 struct AxisTerms {
   Real D = 0;
   Real tau = 0;
 };
 
-/// An eliminated axis: q' = (tau - T V) / D with V the twist without it.
+/// Eliminated axis: q' = (tau - T V) / D, V the twist without it.
 struct EliminatedAxis {
   Column s;         // unit
   Column T_w, T_v;  // S^T A
   Real tau = 0, D_inverse = 0;
 };
 
-/// b - A beta.
-inline void set_off(ArticulatedBody& a, const SpatialVector& beta) noexcept {
+/// Replaces b by b - A beta.
+inline void add_bias(ArticulatedBody& a, const SpatialVector& beta) noexcept {
   a.b.w -= a.A.ww * beta.w + a.A.wv * beta.v;
   a.b.v -= a.A.vw * beta.w + a.A.vv * beta.v;
 }
 
-/// The same for a beta without a turn.
-inline void set_off_shift(ArticulatedBody& a, const Column& beta_v) noexcept {
+/// As add_bias, for a beta without rotation.
+inline void add_shift_bias(ArticulatedBody& a, const Column& beta_v) noexcept {
   a.b.w -= a.A.wv * beta_v;
   a.b.v -= a.A.vv * beta_v;
 }
 
-/// (7) for one axis s, a turn about it or a slide along it: U = A S, T = S^T A, b - U tau / D and A - U T / D. along: what
-/// acts on the coordinate itself, a stop. has_parent: A_a is needed; with nothing to hang on, b alone is asked for.
+/// Eliminates one axis s (7), a rotation or a translation: U = A S, T = S^T A, b - U tau / D and A - U T / D.
+/// along: terms on the coordinate itself, of a stop. has_parent: A_a is needed; otherwise only b is computed.
 template <bool turns>
 void eliminate_axis(ArticulatedBody& a, const Column& s, const AxisTerms& along, EliminatedAxis& j,
                     bool has_parent) noexcept {
@@ -73,8 +73,8 @@ void eliminate_axis(ArticulatedBody& a, const Column& s, const AxisTerms& along,
   a.A.vv -= outer(P_v, j.T_v);
 }
 
-/// Eliminates all turns: w = y - Y v with v the velocity of the anchor. What is left of the body is a mass, A_vv and
-/// b_v; Y and y take the places of A_wv and b_w.
+/// Eliminates all rotations: w = y - Y v, v the velocity of the anchor. The remaining body is a mass, A_vv
+/// and b_v. Y and y replace A_wv and b_w.
 inline void eliminate_turns(ArticulatedBody& a) noexcept {
   const Block D_inverse = inverse(a.A.ww);
   const Block Y = D_inverse * a.A.wv;
@@ -89,13 +89,14 @@ inline Real rate(const EliminatedAxis& j, const SpatialVector& V) noexcept {
   return (j.tau - dot(j.T_w, V.w) - dot(j.T_v, V.v)) * j.D_inverse;
 }
 
-/// Shifted to an anchor d away (from the parent's to the child's) and added to the parent: v_child = v - [d]x w.
+/// Shifts an articulated body by d, from the parent's anchor to the child's, and adds it to the parent:
+/// v_child = v - [d]x w.
 inline void add_to_parent(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
   add_to_parent(a.A, d, parent.A);
   parent.b = parent.b + moved_wrench(a.b, d);
 }
 
-/// The same where only a mass is left.
+/// As add_to_parent, for a body reduced to a mass.
 inline void add_mass_to_parent(const ArticulatedBody& a, const Column& d, ArticulatedBody& parent) noexcept {
   const Block A_vw = cross(a.A.vv, d);
   parent.A.ww -= cross(d, A_vw);

@@ -1,18 +1,19 @@
-// Turns of joints are counted: an angle is measured within half a turn, a coordinate goes on.
+// Counted turns of joints: angles are measured within half a turn, coordinates are continuous.
 #pragma once
 
 #include "core/joint/joint.h"
 
 namespace godobject {
 
-/// Returns q with turns nearest to those of `near`, and slides as they are. Three turns have no coordinates.
+/// Returns q with rotations nearest to those of `near`, translations unchanged. Three rotations have no
+/// coordinates.
 inline JointCoordinates unwrapped(JointCoordinates q, const JointCoordinates& near, int turns) noexcept {
   for (int c = 0; turns < 3 && c < turns; ++c) q[c] = unwrapped(q[c], near[c]);
   return q;
 }
 
-/// Returns the coordinates of a joint at frames X whose child turns against its parent with w, rad/s.
-/// q: the coordinates a time t, s, before. Turns are those nearest to q + t q'.
+/// Returns the coordinates of a joint at frames X whose child rotates against its parent with w, rad/s.
+/// q: the coordinates a time t, s, before. Rotations are those nearest to q + t q'.
 template <class Kind>
 JointCoordinates counted(const JointFrames& X, const Vec3& w, JointCoordinates q, Real t) noexcept {
   const auto m = Kind::motion(X);

@@ -1,4 +1,4 @@
-// Universal joint: a turn about the parent's x axis, then one about the child's y axis.
+// Universal joint: rotation about the parent's x axis, then about the child's y axis.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -8,7 +8,8 @@ namespace godobject {
 struct UniversalJoint {
   static constexpr const char* name = "universal";
   static constexpr const char* meaning =
-      "turn about x of the parent's frame, then about y of the child's";  // what the child may do
+      "turn about x of the parent's frame, then about y of the child's";  // motion of the child against the
+                                                                          // parent
 
   static JointMotion<2, 0> motion(const JointFrames& X) noexcept {
     const Vec3 x = X.R_WP.col(0), y = X.R_WC.col(1);

@@ -1,4 +1,4 @@
-// A set of small numbers.
+// Set of small numbers.
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@
 
 namespace godobject {
 
-/// Its numbers are below n. What goes through all of them is told below which number they are: little, of a large set.
+/// Set of numbers below n. below: a bound of the numbers in the set, so that members of a large set with few
+/// small numbers are visited fast.
 template <std::size_t n>
 struct BitSet {
   std::array<std::uint64_t, (n + 63) / 64> words;
@@ -24,7 +25,8 @@ struct BitSet {
     for (std::uint32_t k = 0; 64 * k < below; ++k) size += num_bits(words[k]);
     return size;
   }
-  /// Sums of ever longer parts of the word. std::popcount() needs a library where the processor has no such instruction.
+  /// Counts bits by sums over growing parts of the word. std::popcount() needs a library on processors
+  /// without the instruction.
   static std::uint32_t num_bits(std::uint64_t word) noexcept {
     word -= word >> 1 & 0x5555555555555555;
     word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);

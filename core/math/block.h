@@ -1,5 +1,5 @@
-// Vectors of three and 3 x 3 blocks for the elimination along the tree: padded to four numbers, so that a column is
-// one operation (docs/decisions/016). The fourth number is copied about and never asked for.
+// Vectors of three and 3 x 3 blocks for the elimination along the tree. Padded to four numbers, so that a
+// column is one operation (docs/decisions/016). The fourth number is copied but never read.
 #pragma once
 
 #include <type_traits>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// (x, y, z, any).
+/// Column (x, y, z, any).
 struct Column {
   Pack p = 0;
 
@@ -18,7 +18,7 @@ struct Column {
   Real x() const noexcept { return p[0]; }
   Real y() const noexcept { return p[1]; }
   Real z() const noexcept { return p[2]; }
-  /// Number j in all four places.
+  /// Returns number j in all four places.
   template <int j>
   Pack all() const noexcept {
     return shuffled<j, j, j, j>(p, p);
@@ -39,14 +39,14 @@ inline Real dot(const Column& a, const Column& b) noexcept {
   return (m[0] + m[1]) + m[2];
 }
 
-/// (y, z, x, any).
+/// Returns (y, z, x, any).
 inline Pack rotated(const Pack& a) noexcept { return shuffled<1, 2, 0, 3>(a, a); }
 
 inline Column cross(const Column& a, const Column& b) noexcept {
   return Column(rotated(a.p * rotated(b.p) - rotated(a.p) * b.p));
 }
 
-/// Three columns.
+/// Matrix of three columns.
 struct Block {
   std::array<Column, 3> col;
 
@@ -76,7 +76,7 @@ struct Block {
   }
 };
 
-/// Rows for columns.
+/// Returns the block whose rows are the given columns.
 inline Block transposed(const Column& a, const Column& b, const Column& c) noexcept {
   const Pack ab_02 = shuffled<0, 4, 2, 6>(a.p, b.p), ab_13 = shuffled<1, 5, 3, 7>(a.p, b.p);
   const Pack c_02 = shuffled<0, 4, 2, 6>(c.p, c.p), c_13 = shuffled<1, 5, 3, 7>(c.p, c.p);
@@ -86,18 +86,18 @@ inline Block transposed(const Column& a, const Column& b, const Column& c) noexc
 
 inline Block transposed(const Block& A) noexcept { return transposed(A.col[0], A.col[1], A.col[2]); }
 
-/// a b^T.
+/// Returns a b^T.
 inline Block outer(const Column& a, const Column& b) noexcept {
   return {{a * b.all<0>(), a * b.all<1>(), a * b.all<2>()}};
 }
 
-/// A^T b.
+/// Returns A^T b.
 inline Column times_transposed(const Block& A, const Column& b) noexcept {
   const Block m = transposed(Column(A.col[0].p * b.p), Column(A.col[1].p * b.p), Column(A.col[2].p * b.p));
   return m.col[0] + m.col[1] + m.col[2];
 }
 
-/// A B^T.
+/// Returns A B^T.
 inline Block times_transpose(const Block& A, const Block& B) noexcept {
   const auto column = [&](auto c) noexcept {
     constexpr int j = decltype(c)::value;
@@ -107,24 +107,24 @@ inline Block times_transpose(const Block& A, const Block& B) noexcept {
            column(std::integral_constant<int, 2>{})}};
 }
 
-/// [d]x A.
+/// Returns [d]x A.
 inline Block cross(const Column& d, const Block& A) noexcept {
   return {{cross(d, A.col[0]), cross(d, A.col[1]), cross(d, A.col[2])}};
 }
-/// A [d]x.
+/// Returns A [d]x.
 inline Block cross(const Block& A, const Column& d) noexcept {
   const Pack x = d.all<0>(), y = d.all<1>(), z = d.all<2>();
   return {{A.col[1] * z - A.col[2] * y, A.col[2] * x - A.col[0] * z, A.col[0] * y - A.col[1] * x}};
 }
 
-/// A^-1 by cofactors: regular, one division.
+/// Returns A^-1 by cofactors. A: regular; one division.
 inline Block inverse(const Block& A) noexcept {
   const Column c0 = cross(A.col[1], A.col[2]), c1 = cross(A.col[2], A.col[0]), c2 = cross(A.col[0], A.col[1]);
   const Real r = 1 / dot(A.col[0], c0);
   return transposed(c0 * r, c1 * r, c2 * r);
 }
 
-/// Vectors of bodies in lanes as one column per body.
+/// Converts vectors of bodies in lanes to one column per body.
 inline std::array<Column, 1> columns(const Vec3& a) noexcept { return {Column(a)}; }
 inline std::array<Column, 4> columns(const Vector3<Pack>& a) noexcept {
   const Pack xy_02 = shuffled<0, 4, 2, 6>(a[0], a[1]), xy_13 = shuffled<1, 5, 3, 7>(a[0], a[1]);
@@ -133,7 +133,7 @@ inline std::array<Column, 4> columns(const Vector3<Pack>& a) noexcept {
           Column(shuffled<2, 3, 6, 7>(xy_02, z_02)), Column(shuffled<2, 3, 6, 7>(xy_13, z_13))};
 }
 
-/// And back.
+/// Converts one column per body to vectors in lanes.
 inline Vector3<Pack> in_lanes(const Column& a, const Column& b, const Column& c, const Column& d) noexcept {
   const Pack ab_02 = shuffled<0, 4, 2, 6>(a.p, b.p), ab_1 = shuffled<1, 5, 3, 7>(a.p, b.p);
   const Pack cd_02 = shuffled<0, 4, 2, 6>(c.p, d.p), cd_1 = shuffled<1, 5, 3, 7>(c.p, d.p);

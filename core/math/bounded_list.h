@@ -1,4 +1,4 @@
-// A list of fixed capacity that keeps the deepest when not all can be kept, and says so.
+// List of fixed capacity. When full, it keeps the deepest items and reports the loss.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace godobject {
 
-/// is_deeper(a, b): a is kept rather than b. comes_before: the order of the list, in which items are added but for a few.
-/// Both total.
+/// is_deeper(a, b): a is kept rather than b. comes_before(a, b): order of the list, in which nearly all items
+/// are added. Both are total orders.
 template <class Item, std::size_t max_items, bool (*is_deeper)(const Item&, const Item&) noexcept,
           bool (*comes_before)(const Item&, const Item&) noexcept>
 struct BoundedList {
@@ -29,12 +29,12 @@ struct BoundedList {
     if (size < max_items) list[size++] = item;
     else put_in_place_of_shallowest(item);
   }
-  /// Forgets what was added since the size was this, but for a list that is full.
+  /// Removes the items added since the size was `mark`. A full list keeps them.
   void forget_from(std::size_t mark) noexcept {
     if (!full()) size = num_found = mark;
   }
-  /// The full list is a heap with the shallowest on top, until put_in_order(). A function of its own, and by value: where
-  /// there is room the item goes into the list without having been in memory before.
+  /// Replaces the shallowest item of a full list, a heap until put_in_order(). A separate function with a
+  /// value argument, so that the item of a list with room need not pass through memory.
   // NOLINTNEXTLINE(performance-unnecessary-value-param)
   [[gnu::noinline]] void put_in_place_of_shallowest(Item item) noexcept {
     if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);
@@ -49,7 +49,8 @@ struct BoundedList {
   }
 
  private:
-  /// What was to be forgotten, and was not, may have been added again: the deeper of both is kept.
+  /// Sorts a full list. An item that could not be removed may have been added twice; the deeper of both is
+  /// kept.
   [[gnu::noinline]] void put_full_in_order() noexcept {
     std::sort(list.begin(), list.end(), [](const Item& a, const Item& b) noexcept {
       return comes_before(a, b) || (!comes_before(b, a) && is_deeper(a, b));
@@ -57,7 +58,7 @@ struct BoundedList {
     const auto is_again = [](const Item& a, const Item& b) noexcept { return !comes_before(a, b); };
     size = static_cast<std::size_t>(std::unique(list.begin(), list.end(), is_again) - list.begin());
   }
-  /// By insertion.
+  /// Sorts by insertion.
   void put_few_in_order() noexcept {
     for (std::size_t i = 1; i < size; ++i) {
       if (!comes_before(list[i], list[i - 1])) continue;

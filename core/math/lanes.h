@@ -1,4 +1,4 @@
-// From the structs of single bodies to those of a group of bodies, one per lane.
+// Conversion of structs of single bodies to those of a group of bodies, one per lane.
 #pragma once
 
 #include "core/body/coupling.h"
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// The bodies in the lanes of a T; the last body again where there are none left.
+/// Numbers of the bodies in the lanes of a T; unused lanes repeat the last body.
 template <class T>
 struct Group {
   std::array<std::size_t, num_lanes<T>> bodies;
@@ -18,13 +18,13 @@ struct Group {
   }
 };
 
-/// Four of anything else.
+/// Group of the numbers 0 to 3.
 inline constexpr Group<Pack> lanes_of_four(0, 4);
 
 template <class F>
 using Gathered = std::decay_t<std::invoke_result_t<F, std::size_t>>;
 
-/// of(i) for the bodies i of a group: for a group of one, of(i) itself.
+/// Returns of(i) for the bodies i of a group; of(i) itself for a group of one.
 template <class F>
 decltype(auto) gathered(const Group<Real>& group, F of) noexcept {
   return of(group.bodies[0]);
@@ -96,7 +96,7 @@ noexcept {
           .w_B = gathered(group, [&](std::size_t i) -> const Vec3& { return of(i).w_B; })};
 }
 
-/// Body j of a group.
+/// Returns body j of a group.
 template <class T>
 RigidBodyState lane(const RigidBodyStateOf<T>& x, std::size_t j) noexcept {
   return {.X_WB = lane(x.X_WB, j), .v_W = lane(x.v_W, j), .w_B = lane(x.w_B, j)};

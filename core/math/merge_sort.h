@@ -1,4 +1,4 @@
-// Sorting what is in no order that a processor could predict: without branches on the comparisons.
+// Sorting of unpredictable data without branches on the comparisons.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// Stable, from runs of one up. before(a, b): a comes before b. spare: room for as many items.
+/// Sorts stably, from runs of one up. before(a, b): a comes before b. spare: storage for n items.
 template <class Item, class Before>
 void merge_sort(Item* items, Item* spare, std::size_t n, Before before) noexcept {
   Item *from = items, *to = spare;

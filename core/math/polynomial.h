@@ -1,5 +1,5 @@
-// Fixed-degree polynomials evaluated in parallel pairs (Estrin's scheme): a short dependency chain,
-// and the same operations in the same order whatever the argument.
+// Polynomials of fixed degree, evaluated in parallel pairs (Estrin's scheme). Short dependency chain, and the
+// same operations in the same order for any argument.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// c[0] + c[1] x + ... + c[N-1] x^(N-1).
+/// Returns c[0] + c[1] x + ... + c[N-1] x^(N-1).
 template <class T, class C, std::size_t N>
 constexpr T polynomial(const std::array<C, N>& c, const T& x) noexcept {
   if constexpr (N == 1) {

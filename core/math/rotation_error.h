@@ -1,4 +1,4 @@
-// The attitude error alpha u of (2) and its derivative, near the half turn too.
+// Attitude error alpha u of (2) and its derivative, also near the half turn.
 #pragma once
 
 #include <algorithm>
@@ -16,9 +16,9 @@ struct RotationErrorOf {
 };
 using RotationError = RotationErrorOf<Real>;
 
-/// c = (1 - (alpha/2) cot(alpha/2)) / alpha^2 from w = cos(alpha/2), relative error 2e-7; beyond 2.33 rad, where
-/// c alpha^2 passes 1/2, a line below 1/(2 alpha^2): the stiffness a stage assumes stays at least k_r / 2,
-/// and with that it cannot gain energy (docs/theory/stage.md).
+/// Returns c = (1 - (alpha/2) cot(alpha/2)) / alpha^2 from w = cos(alpha/2), relative error 2e-7. Beyond 2.33
+/// rad, where c alpha^2 exceeds 1/2, a line below 1/(2 alpha^2). The stiffness that a stage assumes is then
+/// at least k_r / 2, so that the stage cannot gain energy (docs/theory/stage.md).
 template <class T = Real>
 T error_curvature(const std::type_identity_t<T>& w) noexcept {
   static constexpr std::array<Real, 6> c{8.33333227436018897e-02, 1.11123359357362377e-02,
@@ -29,8 +29,9 @@ T error_curvature(const std::type_identity_t<T>& w) noexcept {
   return min(polynomial<T>(c, z), T(Real(0.1959) - Real(0.1716) * z));
 }
 
-/// (16)  alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band on the side of `previous`, so the torque changes
-/// sides only 0.1 rad behind the half turn and a target held there cannot make it chatter.
+/// Returns alpha u = log(q_WB^-1 q_WD) on the shorter way round (16). Within the band, on the side of
+/// `previous`: the torque changes sides only 0.1 rad behind the half turn, and a target held there causes no
+/// chatter.
 template <class T = Real>
 RotationErrorOf<T> rotation_error(const Quaternion<T>& q_WB, const Quaternion<T>& q_WD,
                                   const Vector3<T>& previous_B) noexcept {

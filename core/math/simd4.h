@@ -1,5 +1,5 @@
-// Four numbers that are worked on at once: the same number of four bodies. What is written for a type T does one
-// body with T = Real and four with T = Pack, operation by operation alike (docs/decisions/016).
+// Four numbers processed at once: the same quantity of four bodies. Code for a type T processes one body with
+// T = Real and four with T = Pack, by the same operations (docs/decisions/016).
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace godobject {
 
-/// f of the parts of both.
+/// Applies f to the parts of both arguments.
 template <class R, class A, class F>
 R by_parts(const A& a, const A& b, F f) noexcept {
   R r;
@@ -23,7 +23,7 @@ R by_parts(const A& a, const A& b, F f) noexcept {
   return r;
 }
 
-/// In vectors of the processor's size: one of four numbers, or two of two.
+/// Four numbers in vectors of the processor's size: one of four numbers, or two of two.
 struct Pack {
 #ifdef __AVX__
   static constexpr std::size_t num_parts = 1;
@@ -70,7 +70,7 @@ struct Pack {
   }
 };
 
-/// Where a condition holds.
+/// Condition for each of four numbers.
 struct PackMask {
   using Part = decltype(Pack::Part{} < Pack::Part{});
   std::array<Part, Pack::num_parts> parts;
@@ -83,7 +83,7 @@ inline PackMask operator<=(const Pack& a, const Pack& b) noexcept {
 }
 inline PackMask operator>(const Pack& a, const Pack& b) noexcept { return b < a; }
 
-/// yes where the condition holds, otherwise no; both are computed.
+/// Returns `yes` where the condition holds, else `no`. Both are evaluated.
 inline Real select(bool condition, Real yes, Real no) noexcept { return condition ? yes : no; }
 inline Pack select(const PackMask& condition, const Pack& yes, const Pack& no) noexcept {
   Pack r;
@@ -92,7 +92,7 @@ inline Pack select(const PackMask& condition, const Pack& yes, const Pack& no) n
   return r;
 }
 
-/// The same of vectors.
+/// Selects by component of a vector.
 template <class Condition, class T>
 Eigen::Matrix<T, 3, 1> select(const Condition& condition, const Eigen::Matrix<T, 3, 1>& yes,
                               const Eigen::Matrix<T, 3, 1>& no) noexcept {
@@ -100,7 +100,7 @@ Eigen::Matrix<T, 3, 1> select(const Condition& condition, const Eigen::Matrix<T,
           select(condition, yes[2], no[2])};
 }
 
-/// Bit j: the condition holds for number j.
+/// Returns a word whose bit j is set if the condition holds for number j.
 inline std::uint32_t bits(const PackMask& m) noexcept {
 #ifdef __AVX__
   return static_cast<std::uint32_t>(_mm256_movemask_pd(std::bit_cast<__m256d>(m.parts[0])));
@@ -119,7 +119,7 @@ inline PackMask operator|(const PackMask& a, const PackMask& b) noexcept {
   return by_parts<PackMask>(a, b, [](auto x, auto y) { return x | y; });
 }
 
-/// The condition holds somewhere.
+/// True if the condition holds for any number.
 inline bool any(bool condition) noexcept { return condition; }
 inline bool any(const PackMask& m) noexcept { return bits(m) != 0; }
 
@@ -140,7 +140,7 @@ inline Pack sqrt(const Pack& a) noexcept {
 #endif
 }
 
-/// Numbers i, j, k, l of the eight of a and b.
+/// Returns numbers i, j, k, l of the eight of a and b.
 template <int i, int j, int k, int l>
 Pack shuffled(const Pack& a, const Pack& b) noexcept {
 #ifdef __AVX__
@@ -160,7 +160,7 @@ inline constexpr std::size_t num_lanes = 1;
 template <>
 inline constexpr std::size_t num_lanes<Pack> = Pack::size;
 
-/// Number j of what holds one or four.
+/// Returns number j of one or four.
 inline Real lane(Real a, std::size_t) noexcept { return a; }
 inline Real lane(const Pack& a, std::size_t j) noexcept { return a[j]; }
 template <class T>
@@ -182,7 +182,7 @@ Pose lane(const PoseOf<T>& X, std::size_t j) noexcept {
   return {.p = lane(X.p, j), .q = lane(X.q, j)};
 }
 
-/// Puts a number in place j.
+/// Replaces number j.
 inline void set_lane(Real& a, std::size_t, Real value) noexcept { a = value; }
 inline void set_lane(Pack& a, std::size_t j, Real value) noexcept { a.set(j, value); }
 template <class T>

@@ -1,5 +1,5 @@
-// Rotations: exponential and logarithm on SO(3) by polynomials, so that the core needs no libm, has
-// no data-dependent branch and gives the same bits from every compiler (docs/theory/so3.md).
+// Rotations: exponential and logarithm on SO(3) by polynomials. No libm, no data-dependent branches, and
+// identical bits from every compiler (docs/theory/so3.md).
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace godobject {
 
 inline constexpr Real pi = 3.14159265358979323846;
 
-/// [a]x, so that [a]x b = a x b.
+/// Returns [a]x, so that [a]x b = a x b.
 template <class T = Real>
 Matrix3<T> skew(const Vector3<T>& a) noexcept {
   Matrix3<T> s;
@@ -23,8 +23,8 @@ Matrix3<T> skew(const Vector3<T>& a) noexcept {
   return s;
 }
 
-/// r scaled so that q * r is of unit length again, r being exactly of unit length: corrects the rounding of the
-/// step before, off the critical path. Lengths stay within 1e-15 of 1 however many products follow.
+/// Returns r scaled so that q * r has unit length, for r of exactly unit length. Corrects the rounding of the
+/// previous step off the critical path. Lengths stay within 1e-15 of 1 for any number of products.
 template <class T = Real>
 Quaternion<T> renormalizing(const Quaternion<T>& r, const Quaternion<T>& q) noexcept {
   const T s = Real(0.5) * (3 - q.coeffs().squaredNorm());
@@ -33,13 +33,13 @@ Quaternion<T> renormalizing(const Quaternion<T>& r, const Quaternion<T>& q) noex
   return scaled;
 }
 
-/// q scaled back to unit length; one Newton step of 1/sqrt: an error d of the length becomes 3/2 d^2.
+/// Returns q scaled to unit length by one Newton step of 1/sqrt; an error d of the length becomes 3/2 d^2.
 template <class T = Real>
 Quaternion<T> renormalized(const Quaternion<T>& q) noexcept {
   return renormalizing<T>(q, q);
 }
 
-/// exp: the turn by |a| <= pi about a. Relative error below 1e-15.
+/// Returns exp: the rotation by |a| <= pi about a. Relative error below 1e-15.
 template <class T = Real>
 Quaternion<T> exp_so3(const Vector3<T>& a) noexcept {
   // x = (|a|/2)^2 in [0, pi^2/4]:  q = (cos sqrt(x), a/2 sin sqrt(x) / sqrt(x))
@@ -59,7 +59,7 @@ Quaternion<T> exp_so3(const Vector3<T>& a) noexcept {
   return {polynomial<T>(cosine, x), s * a.x(), s * a.y(), s * a.z()};
 }
 
-/// f(w) = alpha / sin(alpha/2) of a turn by alpha with w = cos(alpha/2) in [-0.06, 1]:
+/// Returns f(w) = alpha / sin(alpha/2) of a rotation by alpha with w = cos(alpha/2) in [-0.06, 1]:
 /// log q = f(w) vec(q). Relative error below 1e-15. Two at zero angle.
 template <class T = Real>
 T log_factor(const std::type_identity_t<T>& w) noexcept {
@@ -77,7 +77,7 @@ T log_factor(const std::type_identity_t<T>& w) noexcept {
   return polynomial<T>(c, 1 - w);
 }
 
-/// R(q)^T a: a world vector in the axes of the body with attitude q.
+/// Returns R(q)^T a: a world vector in the axes of the body with attitude q.
 template <class T = Real>
 Vector3<T> to_body(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
   const Vector3<T> u = q.vec();
@@ -85,7 +85,7 @@ Vector3<T> to_body(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
   return a + q.w() * t + t.cross(u);
 }
 
-/// R(q) a: a body vector in world axes.
+/// Returns R(q) a: a body vector in world axes.
 template <class T = Real>
 Vector3<T> to_world(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
   const Vector3<T> u = q.vec();
@@ -93,8 +93,8 @@ Vector3<T> to_world(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
   return a + q.w() * t + u.cross(t);
 }
 
-/// The shortest turn that takes z to an axis; half a turn about x where that is -z. Eigen's FromTwoVectors gives the same
-/// bits, but decomposes a matrix for opposite vectors: 10 s of every compilation that mentions it.
+/// Returns the shortest rotation of z to an axis; half a turn about x for -z. Same bits as Eigen's
+/// FromTwoVectors, which decomposes a matrix for opposite vectors and costs 10 s of each compilation.
 inline Quat turn_from_z(const Vec3& axis) noexcept {
   // q = (c/2, z x u / c),  c = sqrt(2 (1 + z.u)) = 2 cos(alpha/2)
   const Vec3 u = axis.normalized();

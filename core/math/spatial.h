@@ -1,15 +1,15 @@
-// Spatial algebra (Featherstone 2008): twists and wrenches as vectors of six, and the 6 x 6 matrices between them, in
-// 3 x 3 blocks. World axes; turns and torques (w) before shifts and forces (v).
+// Spatial algebra (Featherstone 2008): twists and wrenches as vectors of six, and 6 x 6 matrices between them
+// in 3 x 3 blocks. World axes; rotations and torques (w) before translations and forces (v).
 //
-// X is the shift of a rigid motion from one point to another, d away: X = (1, 0; -[d]x, 1), so that the twist at the
-// other point is X V and a wrench there is X^T F here.
+// X shifts a rigid motion from one point to another, d away: X = (1, 0; -[d]x, 1). The twist at the other
+// point is X V; a wrench there is X^T F here.
 #pragma once
 
 #include "core/math/block.h"
 
 namespace godobject {
 
-/// A twist (angular velocity, velocity), or a wrench or impulse (torque, force).
+/// Twist (angular velocity, velocity), or wrench or impulse (torque, force).
 struct SpatialVector {
   Column w, v;
 
@@ -28,7 +28,7 @@ inline Real dot(const SpatialVector& a, const SpatialVector& b) noexcept {
   return dot(a.w, b.w) + dot(a.v, b.v);
 }
 
-/// A sum of scalar products.
+/// Sum of scalar products.
 class SpatialSum {
  public:
   void add(const SpatialVector& a, const SpatialVector& b) noexcept { sum_ += a.w.p * b.w.p + a.v.p * b.v.p; }
@@ -39,16 +39,16 @@ class SpatialSum {
   Pack sum_ = 0;
 };
 
-/// X V: the twist of the same rigid motion d away.
+/// Returns X V: the twist of the same rigid motion d away.
 inline SpatialVector shifted(const SpatialVector& V, const Column& d) noexcept {
   return {.w = V.w, .v = V.v + cross(V.w, d)};
 }
-/// X^T F: a wrench at d, about the origin of d.
+/// Returns X^T F: a wrench at d, about the origin of d.
 inline SpatialVector moved_wrench(const SpatialVector& F, const Column& d) noexcept {
   return {.w = F.w + cross(d, F.v), .v = F.v};
 }
 
-/// Any 6 x 6 matrix.
+/// General 6 x 6 matrix.
 struct SpatialMatrix {
   Block ww, wv, vw, vv;
 
@@ -70,16 +70,16 @@ inline SpatialMatrix& operator+=(SpatialMatrix& A, const SpatialMatrix& B) noexc
 inline SpatialVector operator*(const SpatialMatrix& A, const SpatialVector& V) noexcept {
   return {.w = A.ww * V.w + A.wv * V.v, .v = A.vw * V.w + A.vv * V.v};
 }
-/// A^T F.
+/// Returns A^T F.
 inline SpatialVector times_transposed(const SpatialMatrix& A, const SpatialVector& F) noexcept {
   return {.w = times_transposed(A.ww, F.w) + times_transposed(A.vw, F.v),
           .v = times_transposed(A.wv, F.w) + times_transposed(A.vv, F.v)};
 }
-/// A X.
+/// Returns A X.
 inline SpatialMatrix shifted(const SpatialMatrix& A, const Column& d) noexcept {
   return {.ww = A.ww - cross(A.wv, d), .wv = A.wv, .vw = A.vw - cross(A.vv, d), .vv = A.vv};
 }
-/// X^T A X added to the parent, d away.
+/// Adds X^T A X to the parent, d away.
 inline void add_to_parent(const SpatialMatrix& A, const Column& d, SpatialMatrix& parent) noexcept {
   const Block vw = A.vw - cross(A.vv, d);
   parent.ww += A.ww - cross(A.wv, d) + cross(d, vw);
@@ -88,7 +88,7 @@ inline void add_to_parent(const SpatialMatrix& A, const Column& d, SpatialMatrix
   parent.vv += A.vv;
 }
 
-/// A^-1 F, by 3 x 3 blocks.
+/// Returns A^-1 F, by 3 x 3 blocks.
 inline SpatialVector solved(const SpatialMatrix& A, const SpatialVector& F) noexcept {
   const Block A_vv_inverse = inverse(A.vv);
   const Block B = A.wv * A_vv_inverse;
@@ -96,7 +96,7 @@ inline SpatialVector solved(const SpatialMatrix& A, const SpatialVector& F) noex
   return {.w = w, .v = A_vv_inverse * (F.v - A.vw * w)};
 }
 
-/// A symmetric 6 x 6 matrix; its vw is the transposed wv.
+/// Symmetric 6 x 6 matrix; its vw is the transposed wv.
 struct SymmetricSpatialMatrix {
   Block ww, wv, vv;
 };
@@ -114,13 +114,13 @@ inline SymmetricSpatialMatrix operator*(const SymmetricSpatialMatrix& A, Real s)
 inline SpatialVector operator*(const SymmetricSpatialMatrix& A, const SpatialVector& V) noexcept {
   return {.w = A.ww * V.w + A.wv * V.v, .v = times_transposed(A.wv, V.w) + A.vv * V.v};
 }
-/// A + B + B^T.
+/// Adds B + B^T to A.
 inline void add_both(const SpatialMatrix& B, SymmetricSpatialMatrix& A) noexcept {
   A.ww += B.ww + transposed(B.ww);
   A.wv += B.wv + transposed(B.vw);
   A.vv += B.vv + transposed(B.vv);
 }
-/// X^T A X added to the parent, d away.
+/// Adds X^T A X to the parent, d away.
 inline void add_to_parent(const SymmetricSpatialMatrix& A, const Column& d,
                           SymmetricSpatialMatrix& parent) noexcept {
   const Block vw = transposed(A.wv) - cross(A.vv, d);
@@ -128,7 +128,8 @@ inline void add_to_parent(const SymmetricSpatialMatrix& A, const Column& d,
   parent.wv += A.wv + cross(d, A.vv);
   parent.vv += A.vv;
 }
-/// -X^T A: what couples a body to its parent, d away, by an effective mass A for the twist of the one against the other.
+/// Returns -X^T A, the coupling of a body to its parent, d away, by an effective mass A of their relative
+/// twist.
 inline SpatialMatrix coupling(const SymmetricSpatialMatrix& A, const Column& d) noexcept {
   const Block A_vw = transposed(A.wv);
   return {.ww = (A.ww + cross(d, A_vw)) * Real(-1),
@@ -136,7 +137,7 @@ inline SpatialMatrix coupling(const SymmetricSpatialMatrix& A, const Column& d) 
           .vw = A_vw * Real(-1),
           .vv = A.vv * Real(-1)};
 }
-/// X^T A X added to the parent, where its coupling to the child is A_pc = -X^T A.
+/// Adds X^T A X to the parent, given the coupling A_pc = -X^T A to the child.
 inline void add_coupled_to_parent(const SpatialMatrix& A_pc, const Column& d,
                                   SymmetricSpatialMatrix& parent) noexcept {
   parent.ww -= A_pc.ww - cross(A_pc.wv, d);

@@ -1,4 +1,4 @@
-// Symmetric 3 x 3 matrices: of four nodes at once, each in its lane, and of one.
+// Symmetric 3 x 3 matrices: of four nodes at once, one per lane, and of one.
 #pragma once
 
 #include "core/math/block.h"
@@ -18,7 +18,7 @@ struct SymmetricPack {
   }
 };
 
-/// A^-1 by cofactors: regular, one division.
+/// Returns A^-1 by cofactors. A: regular; one division.
 inline SymmetricPack inverse(const SymmetricPack& A) noexcept {
   const auto& [d, o] = A;
   const Vector3<Pack> diagonal(d[1] * d[2] - o[0] * o[0], d[0] * d[2] - o[1] * o[1],
@@ -32,7 +32,7 @@ struct SymmetricBlock {
   Column diagonal, off;
 
   static SymmetricBlock zero() noexcept { return {.diagonal = Column(Pack(0)), .off = Column(Pack(0))}; }
-  /// a 1.
+  /// Returns a 1.
   static SymmetricBlock multiple(Real a) noexcept {
     return {.diagonal = Column(Pack(a)), .off = Column(Pack(0))};
   }
@@ -47,13 +47,13 @@ struct SymmetricBlock {
   }
 };
 
-/// b n n^T.
+/// Returns b n n^T.
 inline SymmetricBlock outer_square(const Column& n, Real b) noexcept {
   const Pack bn = n.p * Pack(b);
   return {.diagonal = Column(bn * n.p), .off = Column(rotated(bn) * rotated(rotated(n.p)))};
 }
 
-/// Those of four lanes, one by one; and back.
+/// Converts between the matrices of four lanes and four single ones.
 inline std::array<SymmetricBlock, 4> blocks(const SymmetricPack& A) noexcept {
   const std::array<Column, 4> diagonal = columns(A.diagonal), off = columns(A.off);
   return {{{diagonal[0], off[0]}, {diagonal[1], off[1]}, {diagonal[2], off[2]}, {diagonal[3], off[3]}}};

@@ -1,4 +1,4 @@
-// The point of a triangle nearest to a given point, and where on the triangle it lies.
+// Point of a triangle nearest to a given point, and the feature that it lies on.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@ struct TrianglePoint {
   std::size_t k = 0;  // edge from corner k to corner k + 1, or corner k
 };
 
-/// Square of the distance from p to the triangle's bounding box: it is not nearer than that.
+/// Returns the squared distance from p to the triangle's bounding box, a lower bound of that to the triangle.
 inline Real box_distance_sq(const Corners& t, const Vec3& p) noexcept {
   const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
   return (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm();
 }
 
-/// The point of the segment from corner k to the next one that is nearest to p.
+/// Returns the point nearest to p on the edge from corner k to the next one.
 inline TrianglePoint nearest_on_edge(const Corners& t, std::size_t k, const Vec3& p) noexcept {
   const Vec3& a = t[k];
   const Vec3& b = t[(k + 1) % 3];
@@ -43,8 +43,8 @@ inline TrianglePoint nearest_on_edge(const Corners& t, std::size_t k, const Vec3
   return q;
 }
 
-/// n: unit normal of the triangle, corners counter-clockwise about it. Of points equally near, the first
-/// edge's.
+/// Returns the point of a triangle nearest to p. n: unit normal of the triangle, corners counter-clockwise
+/// about it. Of points equally near, that of the first edge.
 inline TrianglePoint nearest_on_triangle(const Corners& t, const Vec3& n, const Vec3& p) noexcept {
   TrianglePoint best;
   bool outside = false;
@@ -60,7 +60,7 @@ inline TrianglePoint nearest_on_triangle(const Corners& t, const Vec3& n, const 
   return {.p = p - d * n, .distance_sq = d * d, .feature = TriangleFeature::face};
 }
 
-/// Nearer to the triangle than this, the direction from its nearest point to p is rounding error.
+/// True if p is so near to the triangle that the direction from its nearest point is rounding error.
 inline bool is_touching(const Corners& t, const Vec3& p, Real distance) noexcept {
   const Real size = p.cwiseAbs().maxCoeff() + (t[1] - t[0]).cwiseAbs().maxCoeff();
   return !(distance > touching_triangle * size);

@@ -1,12 +1,10 @@
-// Scalars, vectors, poses, twists and wrenches: the words every other file speaks in.
-// SI units. Frames are letters: W world, B body (origin = centre of mass), D device target.
+// Scalars, vectors, poses, twists and wrenches. SI units. Frames are letters: W world, B body (origin =
+// centre of mass), D device target.
 //
-// What a step does to every body alike is written for a number type T: Real, or a Pack of several bodies' numbers
-// (core/math/simd4.h). The names without a T are those of Real, and T is Real where nothing else is said.
+// Operations applied to every body alike are templates of a number type T: Real, or a Pack of several bodies'
+// numbers (core/math/simd4.h). Names without a T are those of Real, the default T.
 //
-// The room: block.h and spatial.h for blocks of twists, so3.h, rotation_error.h and polynomial.h for rotations, simd4.h and
-// lanes.h for bodies in groups of four, bounded_list.h, bit_set.h and merge_sort.h for lists of fixed capacity, triangle.h.
-// Nothing here knows of bodies, devices or contacts.
+// Independent of bodies, devices and contacts.
 #pragma once
 
 #include <type_traits>
@@ -18,7 +16,7 @@ namespace godobject {
 
 using Real = double;
 
-// No function deduces its T from these, so that expressions convert to them.
+// T is not deduced from these, so that expressions convert to them.
 template <class T>
 using Vector3 = std::type_identity_t<Eigen::Matrix<T, 3, 1>>;
 template <class T>
@@ -30,7 +28,7 @@ using Vec3 = Vector3<Real>;
 using Mat3 = Matrix3<Real>;
 using Quat = Quaternion<Real>;  // unit, (w, x, y, z) in every file and trace
 
-/// X_WB: position (m) and attitude of frame B in frame W; p_W = p + q * p_B.
+/// Pose X_WB: position (m) and attitude of frame B in frame W; p_W = p + q * p_B.
 template <class T>
 struct PoseOf {
   Vector3<T> p = Vector3<T>::Zero();
@@ -38,7 +36,7 @@ struct PoseOf {
 };
 using Pose = PoseOf<Real>;
 
-/// V_WB in world axes, angular part first: w (rad/s), v (m/s) of the origin of B.
+/// Twist V_WB in world axes, angular part first: w (rad/s), v (m/s) of the origin of B.
 template <class T>
 struct TwistOf {
   Vector3<T> w = Vector3<T>::Zero();
@@ -46,7 +44,7 @@ struct TwistOf {
 };
 using Twist = TwistOf<Real>;
 
-/// F in world axes about the origin of the body it acts on: torque tau (N m), force f (N).
+/// Wrench F in world axes about the origin of the body that it acts on: torque tau (N m), force f (N).
 struct Wrench {
   Vec3 tau = Vec3::Zero();
   Vec3 f = Vec3::Zero();

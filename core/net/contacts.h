@@ -1,4 +1,5 @@
-// Contacts of nodes of nets in a stage: (24) as for bodies, each with a velocity of its own, and what they are in the system.
+// Contacts of nodes of nets in a stage: (24) as for bodies, each with its own velocity, and their terms in
+// the system.
 #pragma once
 
 #include "core/contact/begin.h"
@@ -7,8 +8,8 @@
 
 namespace godobject {
 
-/// What a stage is told of nets: constants, what contacts carried over, and whether it is solved again (39): with joints,
-/// iterations go on from its last solution.
+/// Inputs of a net stage: parameters, contact memory of the previous step, gravity. again: a re-solve (39);
+/// with joints, iterations start from the last solution.
 template <class Net>
 struct NetInput {
   const typename Net::Params& par;
@@ -26,7 +27,7 @@ const ContactLaw& law_of(const typename Contacts::Params& contacts, const typena
   return contacts.law(net.nodes[near.a].material, other);
 }
 
-/// f(pack, velocities of its nodes against what they touch) of all contacts of nets.
+/// Calls f(pack, velocities of its nodes relative to the touched bodies) for all contacts of nets.
 template <class V, class Stage, class F>
 void each_net_pack(const V& of, Stage& w, F f) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
@@ -44,7 +45,7 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
   }
 }
 
-/// (24) of the near contacts of nets, and the bodies of which one carries what touches the other.
+/// Linearises the near contacts of nets (24), and lists the pairs of a carrier and a touched body.
 template <class Contacts, std::size_t N>
 void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& net,
                         Real h, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -74,24 +75,24 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     }
     found += begin_four(near, gathered(laws), near.live(),
                         gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
-                        w.stage, of_step, of_stage, w.found_deeper, of.begun[p], of.packs[p]);
+                        w.stage, of_step, of_stage, w.penetration_jumps, of.initial[p], of.packs[p]);
     of.packs[p].u.setConstant(Pack(0));
     of.packs[p].f_slip = 0;
   }
   w.report.found += total(found);
 }
 
-/// Says that nodes of a carrier touch a body, or are attached to it.
+/// Declares that nodes of a carrier touch a body, or are attached to it.
 template <class Net, std::size_t N>
 void find_pair(std::uint32_t carrier, std::uint32_t touched, NetStage<Net, N>& w) noexcept {
   if (carrier >= N) return;  // the world
   for (std::size_t k = w.num_pairs; k-- > 0;)
     if (w.pairs[k].carrier == carrier && w.pairs[k].touched == touched) return;
-  // without it the preconditioner is less good, no more
+  // without it the preconditioner is weaker, nothing else
   if (w.num_pairs < w.max_pairs) w.pairs[w.num_pairs++] = {.carrier = carrier, .touched = touched};
 }
 
-/// Anchors for velocities against V_p of bodies on joints.
+/// Makes the anchors relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
@@ -102,7 +103,7 @@ void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
     }
   });
 }
-/// And contacts.
+/// Makes the contacts relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
@@ -118,7 +119,7 @@ void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept
   }
 }
 
-/// The contacts of nets in the modes they are in, as effective masses and impulses, after the attachments.
+/// Sums the contacts of nets in their modes, as effective masses and impulses, after the attachments.
 template <class Net, std::size_t N>
 void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   w.num_contacts = w.num_attachments;
@@ -141,7 +142,7 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// b of bodies, with what rides on them, and nodes.
+/// Loads b of bodies, including their carried nodes, and of nodes.
 template <class Contacts, std::size_t N>
 void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& b = w.coupled_b;
@@ -163,9 +164,9 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   });
 }
 
-/// E of (44): the bodies with all that rides on them.
+/// Loads E of (44): the bodies with their carried nodes.
 template <class Contacts, std::size_t N>
-void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
+void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   const auto on_point = [](const Block& A_vv, const Column& r) noexcept {
     SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
@@ -194,34 +195,34 @@ void load_riding(BodyContactScratch<Contacts, N>& w) noexcept {
   }
 }
 
-/// The nodes of an island, in a Newton iteration: their contacts in the modes they are in, impulses, E and factor.
+/// Loads the nodes of an island in a Newton iteration: contacts in their modes, impulses, E and factor.
 template <class Contacts, std::size_t N>
 void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  // nodes have moved little since the stage before: its factor is as good a preconditioner
-  const bool is_factored = !first || (w.stage.goes_on && net.factored_h == h);
+  // nodes have moved little since the previous stage, so its factor is as good a preconditioner
+  const bool is_factored = !first || (w.stage.continues_step && net.factored_h == h);
   if (!is_factored) {
     gather_net_contacts(h, net);
     factor_nodes(net);
     net.factored_h = h;
   }
-  if (first) foresee_friction(h, net);  // those that touch stay the same
+  if (first) predict_friction(h, net);  // those that touch stay the same
   take_contacts_out(net);
   gather_net_contacts(h, net);
   put_contacts_in(net);
   load_impulses(w);
-  load_riding(w);
+  load_carrier_relative(w);
 }
 
-/// Velocities of the nodes against their carriers, from those against the world and those of the carriers; and back.
+/// Transforms the nodes' velocities from world to carrier frame; below, back.
 template <class Net, std::size_t N, class Vector>
-void ride(const NetStage<Net, N>& w, Vector& V) noexcept {
+void to_carrier_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) V.nodes[n] -= shifted(V.bodies[run.body], w.r[n]).v;
   });
 }
 template <class Net, std::size_t N, class Vector>
-void get_off(const NetStage<Net, N>& w, Vector& V) noexcept {
+void to_world_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) V.nodes[n] += shifted(V.bodies[run.body], w.r[n]).v;
   });
@@ -258,7 +259,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   }
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
-    carry_over(near, near.live(), h, net.begun[p], net.packs[p], next);
+    carry_over(near, near.live(), h, net.initial[p], net.packs[p], next);
     add_bearing(near, near.live(), net.packs[p], net.forces);
   }
   each_carried(net, [&](const NetRun& run) noexcept {

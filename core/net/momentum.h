@@ -1,26 +1,27 @@
-// A net in free flight with its carrier keeps its angular momentum.
+// Angular momentum of a net in free flight with its carrier.
 //
-// An implicit integrator keeps linear momentum and not the angular one: sum m p+ x v+ is sum m p x v+, since p+ = p + h v+, and
-// springs that act along p+ have a torque about p. What a step has changed of it is given back as a turn of all that flies,
+// An implicit integrator conserves linear momentum, but not the angular one: sum m p+ x v+ is sum m p x v+,
+// because p+ = p + h v+, and springs that act along p+ have a torque about p. The change in a step is
+// returned as a rotation of all flying parts,
 //
 //   (48)  w = I^-1 (L - L+),  v+ += w x (p+ - c),  about the common centre of mass c
 //
-// the projection on what is to be kept (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4). Where anything else
-// acts, the error is one of the integrator's order among others, and stays.
+// the projection on the conserved quantity (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4).
+// Under other forces the error is one of the integrator's order among others, and remains.
 #pragma once
 
 #include "core/stage.h"
 
 namespace godobject {
 
-/// Mass, centre, momentum and inertia of what moves as one.
+/// Mass, centre, momentum and inertia of a flying group.
 struct Flight {
   Real m = 0, size = 0;  // size: of L_W without spin, were all its parts one way
   Vec3 mp_W = Vec3::Zero(), L_W = Vec3::Zero();
   Mat3 I_W = Mat3::Zero();
 
   Vec3 centre() const noexcept { return mp_W / m; }
-  /// A mass at r from the centre.
+  /// Adds a mass at r from the centre.
   void add(Real mass, const Vec3& r, const Vec3& v) noexcept {
     L_W += mass * r.cross(v);
     size += mass * r.norm() * v.norm();
@@ -34,7 +35,7 @@ struct Flight {
   }
 };
 
-/// The carrier of a run with its nodes.
+/// Flying group: the carrier of a run with its nodes.
 struct Alone {
   const NetRun& run;
 
@@ -48,7 +49,7 @@ struct Alone {
   }
 };
 
-/// The nodes of a net that flies without a carrier.
+/// Flying group: the nodes of a net without a carrier.
 struct WithoutCarrier {
   const FloatingNet& nodes;
 
@@ -60,7 +61,7 @@ struct WithoutCarrier {
   }
 };
 
-/// Bodies that attachments join to one, with all nodes that these carry: body i is of the group number of[i].
+/// Flying group: bodies joined by attachments, with all their carried nodes. of[i]: number of body i's group.
 template <class Net, std::size_t N>
 struct Attached {
   const NetStage<Net, N>& w;
@@ -102,7 +103,7 @@ void each_node_of(const Flyers& flyers, F f) noexcept {
   });
 }
 
-/// What they are as one. body_of(i): the state of body i.
+/// Returns mass, centre, momentum and inertia of a flying group. body_of(i): the state of body i.
 template <Scene S, class Flyers, class BodyOf, class Nodes>
 Flight flight_of(const Params<S>& par, const Flyers& flyers, BodyOf body_of, const Nodes& nodes) noexcept {
   Flight all;
@@ -119,7 +120,8 @@ Flight flight_of(const Params<S>& par, const Flyers& flyers, BodyOf body_of, con
   return all;
 }
 
-/// Nothing acts on the body but its net and gravity: no device, joint, term or contact, nor on the nodes that it carries.
+/// True if only its net and gravity act on the body: no device, joint, term or contact, and no contact of its
+/// nodes.
 template <Scene S>
 bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size_t i) noexcept {
   if constexpr (uses<typename S::Coupling>) {
@@ -144,7 +146,7 @@ bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size
   return true;
 }
 
-/// A spring joins a node of the run to one of another carrier.
+/// True if a spring joins a node of the run to one of another carrier.
 template <class Net, std::size_t N>
 bool joins_carriers(const NetStage<Net, N>& w, const NetRun& run) noexcept {
   for (std::size_t s = 0; s < w.par->num_springs; ++s)
@@ -152,7 +154,7 @@ bool joins_carriers(const NetStage<Net, N>& w, const NetRun& run) noexcept {
   return false;
 }
 
-/// (48) of who flies.
+/// Applies the correction (48) to a flying group.
 template <Scene S, class Flyers>
 void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyers, Scratch<S>& w) noexcept {
   const auto before_of = [&](std::size_t i) noexcept -> const RigidBodyState& { return x.bodies[i].x; };
@@ -175,7 +177,7 @@ void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyer
                [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
 }
 
-/// (48) of w.next.
+/// Applies the correction (48) to w.next.
 template <Scene S>
 void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;

@@ -1,4 +1,4 @@
-// A stage of nets: where it begins, and its solution with the bodies that carry and touch them.
+// Stage of nets: initialisation, and solution with the bodies that carry and touch them.
 #pragma once
 
 #include "core/contact/bodies.h"
@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-/// Anchors, attachments and springs, linear from where the nodes are led. The bodies are in w.finder.at.
+/// Linearises anchors, attachments and springs at the predicted nodes. The bodies are in w.finder.at.
 template <Springs as = Springs::linear, class Contacts, std::size_t N>
 void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
                    BodyContactScratch<Contacts, N>& w) noexcept {
@@ -21,11 +21,11 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
   begin_springs<as, typename Contacts::Net>(in.par, h, net);
 }
 
-/// The nets where the stage is predicted to end.
+/// Begins the nets at the predicted end of the stage.
 template <class Contacts, std::size_t N, class Bases>
 void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, Real h,
                BodyContactScratch<Contacts, N>& w) noexcept {
-  if (!w.stage.goes_on) index_net<typename Contacts::Net>(in.par, w.net);
+  if (!w.stage.continues_step) index_net<typename Contacts::Net>(in.par, w.net);
   predict_nodes(bases, in.gravity_W, h, w.net);
   linearise_net(in, h, w);
 }
@@ -33,12 +33,12 @@ void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, R
 template <class Contacts, std::size_t N>
 void find_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& in,
                        std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noexcept {
-  const auto* of_stage = w.stage.goes_on ? &w.net.memories[w.net.last] : nullptr;
+  const auto* of_stage = w.stage.continues_step ? &w.net.memories[w.net.last] : nullptr;
   NetFinder<Contacts, N, typename Contacts::Net>(par, in.par, in.before, of_stage, w.finder, w.net)
       .find(num_bodies);
 }
 
-/// The velocities of nodes and of the bodies that carry and touch them, or that they are attached to.
+/// Solves for the velocities of nodes, and of the bodies that carry, touch or are attached to them.
 template <class Contacts, std::size_t N>
 void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
                           BodyContactScratch<Contacts, N>& w) noexcept {
@@ -46,7 +46,7 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
     shift_anchors(w.graph.joints.V_p, w.net);
     shift_attachments(w.graph.joints.V_p, w.net);
   }
-  ride(w.net, w.x.V_0);
+  to_carrier_frame(w.net, w.x.V_0);
   find_flying(w.net);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
@@ -61,10 +61,10 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
     solve_island(h, alone, how, system, w);
   };
   solve();
-  get_off(w.net, w.x.V);
+  to_world_frame(w.net, w.x.V);
 }
 
-/// (47)  The stage again, with the springs majorised: from where it starts, at rest.
+/// Solves the stage again with majorised springs (47), from its start, at rest.
 template <class Contacts, std::size_t N>
 void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
                      BodyContactScratch<Contacts, N>& w) noexcept {
@@ -78,13 +78,13 @@ void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
   net.report.majorised = true;
 }
 
-/// The velocities of nodes and of the bodies that carry and touch them: with springs linear where the stage is predicted to
-/// end, or, where they gain energy that way (46), majorised.
+/// Solves for the velocities of nodes and of the bodies that carry and touch them. Springs are linear at the
+/// predicted end of the stage. If they gain energy that way (46), they are majorised.
 template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  const NetReport stages_before = w.stage.goes_on ? net.report : NetReport{};
+  const NetReport stages_before = w.stage.continues_step ? net.report : NetReport{};
   net.report = {};
   if (net.num_nodes == 0) return;
   if constexpr (Contacts::jointed) shift_net_contacts(w.graph.joints.V_p, h, net);
@@ -93,7 +93,7 @@ void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
   std::copy_n(begin.begin(), net.num_nodes, w.x.V_0.nodes.begin());
   solve_linearised_net(h, in, w);
   if (spring_gain<typename Contacts::Net>(in.par, w.x.V.nodes, in.gravity_W, h, net)
-          .is_too_much(in.par.tolerated_change(h)))
+          .exceeds_tolerance(in.par.tolerated_change(h)))
     solve_majorised(h, in, w);
   net.report.cover(stages_before);
 }

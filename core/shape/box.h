@@ -14,7 +14,8 @@ struct BoxShape {
     return is_dimension(b.x()) && is_dimension(b.y()) && is_dimension(b.z());
   }
 
-  /// Inside, the nearest face: of several the first of x, y, z; of two opposite ones the positive.
+  /// Returns the surface seen from p. Inside, that of the nearest face: of several the first of x, y, z; of
+  /// two opposite ones the positive.
   static SurfacePoint nearest(const ShapeParams& par, const Vec3& p, Real) noexcept {
     const Vec3& b = par.half_extents;
     const Vec3 beyond = p.cwiseAbs() - b;
@@ -29,7 +30,7 @@ struct BoxShape {
     return {.distance = length, .n = direction(a, length, face)};
   }
 
-  /// The same for four points, of those outside. Inside, no distance and no normal.
+  /// Computes distances and normals of four points outside. Inside, there is no distance and no normal.
   static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, Pack& distance,
                       Vector3<Pack>& n) noexcept {
     Vector3<Pack> a;
@@ -42,14 +43,15 @@ struct BoxShape {
     const Pack scale = 1 / max(length, Pack(min_length));
     for (int k = 0; k < 3; ++k) n[k] = a[k] * scale;
   }
-  /// For four points. Inside, the face with this outward normal, one of the six.
-  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& way_out, Pack& distance,
-                      Vector3<Pack>& n) noexcept {
+  /// Computes distances and normals of four points. Inside, those of the face with the given outward normal,
+  /// one of the six.
+  static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& exit_direction,
+                      Pack& distance, Vector3<Pack>& n) noexcept {
     nearest(half_extents, p, distance, n);
     const PackMask outside = Pack(0) < distance;
-    const Pack depth =
-        p[0] * way_out[0] + p[1] * way_out[1] + p[2] * way_out[2] - half_extents.dot(way_out.cwiseAbs());
-    for (int k = 0; k < 3; ++k) n[k] = select(outside, n[k], Pack(way_out[k]));
+    const Pack depth = p[0] * exit_direction[0] + p[1] * exit_direction[1] + p[2] * exit_direction[2] -
+                       half_extents.dot(exit_direction.cwiseAbs());
+    for (int k = 0; k < 3; ++k) n[k] = select(outside, n[k], Pack(exit_direction[k]));
     distance = select(outside, distance, depth);
   }
 };

@@ -14,7 +14,7 @@ struct CapsuleShape {
     return is_dimension(par.radius) && (par.half_length == 0 || is_dimension(par.half_length));
   }
 
-  /// On the segment: n = x.
+  /// Returns the surface seen from p; on the segment n = x.
   static SurfacePoint nearest(const ShapeParams& par, const Vec3& p, Real) noexcept {
     const Vec3 a = p - Vec3(0, 0, std::clamp(p.z(), -par.half_length, par.half_length));
     const Real length = a.norm();

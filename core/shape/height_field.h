@@ -1,10 +1,10 @@
 // Height field: the solid below z = f(x, y) over a rectangle, with vertical sides and no bottom.
 //
-// Each cell of the grid is two triangles, not a bilinear patch: the nearest point is then exact in closed
-// form with a bounded amount of work, where the nearest point of a patch needs an iteration, may not be
-// unique and gains no smoother normal across the edges of cells. The distance of a closed solid is continuous
-// everywhere, and with it the force of a penalty contact: over a ridge n turns with the point, and without
-// the sides the distance would jump where a point below the surface leaves the rectangle.
+// Each cell of the grid is two triangles, not a bilinear patch. The nearest point is then exact in closed
+// form with bounded cost. That of a patch needs an iteration, may not be unique, and has no smoother normal
+// across the edges of cells. The distance of a closed solid is continuous everywhere, and so is the force of
+// a penalty contact: over a ridge n turns with the point. Without the sides, the distance would jump where a
+// point below the surface leaves the rectangle.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace godobject {
 
-/// Grid point (column i, row j) stands at x = i spacing, y = j spacing, z = height[j columns + i].
+/// Heights on a grid: column i, row j is at x = i spacing, y = j spacing, z = height[j columns + i].
 struct HeightField {
   std::span<const Real> height;  // m, rows * columns, owned by the caller
   std::uint32_t columns = 0;     // along x, >= 2
@@ -34,8 +34,8 @@ inline bool is_valid(const HeightField& field) noexcept {
          std::ranges::all_of(field.height.first(needed), [](Real z) { return z - z == 0; });
 }
 
-/// The two triangles of a cell, split from its first corner to the opposite one; counter-clockwise from
-/// above.
+/// Returns one of the two triangles of a cell, split from its first corner to the opposite one;
+/// counter-clockwise seen from above.
 inline Corners cell_triangle(const HeightField& field, std::uint32_t i, std::uint32_t j,
                              bool upper) noexcept {
   const Vec3 a = field.point(i, j), c = field.point(i + 1, j + 1);
@@ -45,7 +45,7 @@ inline Corners cell_triangle(const HeightField& field, std::uint32_t i, std::uin
 
 inline Vec3 upward_normal(const Corners& t) noexcept { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
 
-/// f(x, y) for (x, y) in the rectangle.
+/// Returns f(x, y) for (x, y) in the rectangle.
 inline Real surface_height(const HeightField& field, Real x, Real y) noexcept {
   const std::uint32_t i = grid_cell(x, field.spacing, field.columns - 1);
   const std::uint32_t j = grid_cell(y, field.spacing, field.rows - 1);
@@ -67,7 +67,8 @@ struct HeightFieldShape {
     return nearest(*par.height_field, p, reach, visited);
   }
 
-  /// visited: increased by the triangles looked at, two in each cell within reach along x and y.
+  /// Returns the surface seen from p. visited: increased by the number of triangles tested, two for each cell
+  /// within reach along x and y.
   static SurfacePoint nearest(const HeightField& field, const Vec3& p, Real reach,
                               std::uint32_t& visited) noexcept {
     const Real x = std::clamp(p.x(), Real(0), (field.columns - 1) * field.spacing);
@@ -81,13 +82,13 @@ struct HeightFieldShape {
     // The surface below or above p, or the nearest point of the border, bounds the search.
     const Real side = !beside && p.z() < z ? -1 : 1;
     SurfacePoint best = nearest_triangle(field, p, std::min(reach, length), side, visited);
-    if (side < 0) look_at_walls(field, p, best);
+    if (side < 0) visit_walls(field, p, best);
     return best;
   }
 
  private:
-  /// The nearest point of the triangles in the cell nearest to p in x and y, and in all others within reach. Where triangles
-  /// are equally near it is on the first.
+  /// Returns the nearest point of the triangles in the cell nearest to p in x and y, and in all others within
+  /// reach. Of points equally near, that of the first triangle.
   static SurfacePoint nearest_triangle(const HeightField& field, const Vec3& p, Real reach, Real side,
                                        std::uint32_t& visited) noexcept {
     const std::uint32_t columns = field.columns - 1, rows = field.rows - 1;
@@ -96,20 +97,20 @@ struct HeightFieldShape {
     const std::uint32_t last_i = grid_cell(p.x() + reach, field.spacing, columns);
     const std::uint32_t last_j = grid_cell(p.y() + reach, field.spacing, rows);
     SurfacePoint best{.distance = side * std::numeric_limits<Real>::infinity()};
-    look_at_cell(field, own_i, own_j, p, side, best);
+    visit_cell(field, own_i, own_j, p, side, best);
     visited += 2;
     for (std::uint32_t j = grid_cell(p.y() - reach, field.spacing, rows); j <= last_j; ++j) {
       for (std::uint32_t i = grid_cell(p.x() - reach, field.spacing, columns); i <= last_i; ++i) {
         if (i == own_i && j == own_j) continue;
-        look_at_cell(field, i, j, p, side, best);
+        visit_cell(field, i, j, p, side, best);
         visited += 2;
       }
     }
     return best;
   }
 
-  static void look_at_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, const Vec3& p,
-                           Real side, SurfacePoint& best) noexcept {
+  static void visit_cell(const HeightField& field, std::uint32_t i, std::uint32_t j, const Vec3& p, Real side,
+                         SurfacePoint& best) noexcept {
     for (const bool upper : {false, true}) {
       const Corners t = cell_triangle(field, i, j, upper);
       if (box_distance_sq(t, p) > best.distance * best.distance) continue;
@@ -118,7 +119,7 @@ struct HeightFieldShape {
     }
   }
 
-  /// side: 1 for p above the surface, -1 below.
+  /// Returns a triangle's nearest point. side: 1 for p above the surface, -1 below.
   static SurfacePoint seen_triangle(const Corners& t, const Vec3& p, Real side) noexcept {
     const Vec3 n = upward_normal(t);
     const TrianglePoint q = nearest_on_triangle(t, n, p);
@@ -129,8 +130,8 @@ struct HeightFieldShape {
     return {.distance = side * length, .n = direction(side * (p - q.p), length, n)};
   }
 
-  /// p inside: the walls as far down as they go; their upper edges belong to the triangles.
-  static void look_at_walls(const HeightField& field, const Vec3& p, SurfacePoint& best) noexcept {
+  /// Tests the walls for p inside, without a lower end; their upper edges belong to the triangles.
+  static void visit_walls(const HeightField& field, const Vec3& p, SurfacePoint& best) noexcept {
     const Vec3 end((field.columns - 1) * field.spacing, (field.rows - 1) * field.spacing, 0);
     for (int k = 0; k < 2; ++k) {
       for (const Real sign : {Real(-1), Real(1)}) {

@@ -1,4 +1,4 @@
-// Every kind of shape: a new one is a file and a line here.
+// List of all kinds of shapes. A new kind is one file, named here.
 #pragma once
 
 #include "core/shape/box.h"
@@ -10,11 +10,11 @@
 
 namespace godobject {
 
-/// f of the shape type of this kind.
+/// Calls f with the shape type of this kind.
 template <class F>
 auto with_shape(ShapeKind kind, F&& f) noexcept {
   switch (kind) {
-    case ShapeKind::plane: break;  // and what is no kind
+    case ShapeKind::plane: break;  // also for values that are no kind
     case ShapeKind::box: return f(BoxShape{});
     case ShapeKind::sphere: return f(SphereShape{});
     case ShapeKind::capsule: return f(CapsuleShape{});
@@ -24,12 +24,12 @@ auto with_shape(ShapeKind kind, F&& f) noexcept {
   return f(PlaneShape{});
 }
 
-/// nearest_on() for the shape's own kind.
+/// Returns nearest_on() of the shape's kind.
 inline SurfacePoint nearest(const ShapeParams& par, const Vec3& p_W, Real reach) noexcept {
   return with_shape(par.kind, [&](auto shape) { return nearest_on<decltype(shape)>(par, p_W, reach); });
 }
 
-/// Dimensions that the kind needs are there, the pose is finite and its quaternion of unit length.
+/// True if the dimensions of the kind are valid, the pose is finite and its quaternion has unit length.
 inline bool is_valid(const ShapeParams& par) noexcept {
   const Vec3& p = par.X_WS.p;
   const bool pose = p.sum() - p.sum() == 0 && std::abs(par.X_WS.q.squaredNorm() - 1) <= quaternion_tolerance;

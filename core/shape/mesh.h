@@ -1,8 +1,8 @@
-// Triangle mesh: the solid inside a closed surface of triangles, found through a uniform grid of cells.
+// Triangle mesh: the solid inside a closed surface of triangles, searched through a uniform grid of cells.
 //
-// The sign of the distance is that of the angle-weighted pseudo-normal of the nearest feature (Baerentzen,
-// Aanaes 2005: Signed distance computation using the angle weighted pseudonormal), exact for a closed
-// 2-manifold. All arrays belong to the caller; core/shape/mesh_setup.h fills the derived ones at load time.
+// The sign of the distance is that of the angle-weighted pseudo-normal of the nearest feature, exact for a
+// closed 2-manifold. Source: Baerentzen, Aanaes 2005, Signed distance computation using the angle weighted
+// pseudonormal. All arrays belong to the caller; core/shape/mesh_setup.h fills the derived ones at load time.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,13 @@
 
 namespace godobject {
 
-/// Corners of a triangle, indices of vertices, counter-clockwise seen from outside.
+/// Corners of a triangle: indices of vertices, counter-clockwise seen from outside.
 using TriangleIndices = std::array<std::uint32_t, 3>;
 
-/// Unit pseudo-normals of a triangle's edges: edge k runs from corner k to corner k + 1.
+/// Unit pseudo-normals of a triangle's edges. Edge k runs from corner k to corner k + 1.
 using EdgeNormals = std::array<Vec3, 3>;
 
-/// Uniform grid over the mesh: cell (i, j, k) has the index (k num[1] + j) num[0] + i.
+/// Uniform grid over the mesh. Cell (i, j, k) has the index (k num[1] + j) num[0] + i.
 struct MeshGrid {
   Vec3 origin = Vec3::Zero();
   Real spacing = 0;                      // m
@@ -27,7 +27,7 @@ struct MeshGrid {
   std::span<const std::uint32_t> start;  // of each cell in `triangles`, and one past the last
   std::span<const std::uint32_t> triangles;
 
-  /// Index along an axis of the cell that holds x; the first or last one for an x outside.
+  /// Returns the index along an axis of the cell that contains x, clamped to the first and last.
   std::uint32_t along(std::size_t axis, Real x) const noexcept {
     return grid_cell(x - origin[Eigen::Index(axis)], spacing, num[axis]);
   }
@@ -68,14 +68,15 @@ struct MeshShape {
 
   static bool is_valid(const ShapeParams& par) noexcept { return par.mesh && !par.mesh->grid.start.empty(); }
 
-  /// No surface within reach: the distance is reach, deep inside too. So reach has to cover, beyond the
-  /// radius of the sphere about p, the deepest it may get.
+  /// Returns the surface seen from p. Without a surface within reach the distance is reach, also deep inside.
+  /// reach must cover the sphere's radius about p plus its largest depth.
   static SurfacePoint nearest(const ShapeParams& par, const Vec3& p, Real reach) noexcept {
     std::uint32_t visited = 0;
     return nearest(*par.mesh, p, reach, visited);
   }
 
-  /// visited: increased by the triangles looked at, those of the cells within reach.
+  /// Returns the surface seen from p. visited: increased by the number of triangles tested, those of the
+  /// cells within reach.
   static SurfacePoint nearest(const TriangleMesh& mesh, const Vec3& p, Real reach,
                               std::uint32_t& visited) noexcept {
     Nearest best{.point = {.distance_sq = reach * reach}};
@@ -85,7 +86,7 @@ struct MeshShape {
       if ((p - p.cwiseMax(low).cwiseMin(high)).squaredNorm() > best.point.distance_sq) return;
       const std::size_t cell = grid.index(i, j, k);
       for (std::uint32_t c = grid.start[cell]; c < grid.start[cell + 1]; ++c) {
-        look_at(mesh, grid.triangles[c], p, best);
+        update_nearest(mesh, grid.triangles[c], p, best);
         ++visited;
       }
     });
@@ -101,9 +102,10 @@ struct MeshShape {
     std::uint32_t triangle = none;
   };
 
-  /// Where triangles are equally near `best` is the one with the lowest index: it does not depend on the grid.
-  static void look_at(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& p,
-                      Nearest& best) noexcept {
+  /// Replaces `best` if the triangle is nearer. Of triangles equally near, that with the lowest index,
+  /// independent of the grid.
+  static void update_nearest(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& p,
+                             Nearest& best) noexcept {
     const Corners t = mesh.corners(triangle);
     const Vec3& n = mesh.face_normals[triangle];
     const Real height = n.dot(p - t[0]);

@@ -1,4 +1,4 @@
-// Before the first step: checks of a triangle mesh, its pseudo-normals and its grid, in arrays of the caller.
+// Setup of a triangle mesh before the first step: checks, pseudo-normals and grid, in arrays of the caller.
 #pragma once
 
 #include "core/joint/joint.h"
@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-/// The first rule a mesh breaks, or the array that is too small for it.
+/// First rule that a mesh breaks, or the array that is too small for it.
 enum class MeshInvalid : std::uint8_t {
   nothing,
   no_triangle,          // none, or 2^30 and more
@@ -27,7 +27,7 @@ struct MeshReport {
   std::size_t number = 0;
 };
 
-/// Where the set-up puts what it derives; must live as long as the mesh.
+/// Arrays for derived data; they must live as long as the mesh.
 struct MeshStorage {
   std::span<Vec3> face_normals;             // num_triangles
   std::span<EdgeNormals> edge_normals;      // num_triangles
@@ -55,7 +55,7 @@ inline MeshReport check_triangles(const TriangleMesh& mesh) noexcept {
   return {};
 }
 
-/// Normalises a sum of unit normals; false if they cancel.
+/// Normalises a sum of unit normals. Returns false if they cancel.
 inline bool normalise(Vec3& n) noexcept {
   const Real length = n.norm();
   if (!(length > cancelled_normals)) return false;
@@ -63,7 +63,7 @@ inline bool normalise(Vec3& n) noexcept {
   return true;
 }
 
-/// Unit face normals; vertex normals weighted by the triangles' angles.
+/// Computes unit face normals, and vertex normals weighted by the triangles' angles.
 inline MeshReport make_face_and_vertex_normals(const TriangleMesh& mesh, const MeshStorage& to) noexcept {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) to.vertex_normals[v].setZero();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -81,7 +81,7 @@ inline MeshReport make_face_and_vertex_normals(const TriangleMesh& mesh, const M
   return {};
 }
 
-/// From its first to its second vertex; half-edge 3 t + k is edge k of triangle t.
+/// Half-edge from its first to its second vertex; half-edge 3 t + k is edge k of triangle t.
 struct HalfEdge {
   std::uint32_t from, to;
 };
@@ -90,7 +90,7 @@ inline HalfEdge half_edge(const TriangleMesh& mesh, std::uint32_t e) noexcept {
   return {t[e % 3], t[(e + 1) % 3]};
 }
 
-/// Pairs the half-edges by sorting, which shows whether the surface is closed, and adds their face normals.
+/// Pairs the half-edges by sorting, checks that the surface is closed, and adds their face normals.
 inline MeshReport make_edge_normals(const TriangleMesh& mesh, const MeshStorage& to) noexcept {
   const std::size_t num = 3 * mesh.triangles.size();
   const std::span<std::uint32_t> sorted = to.half_edges.first(num);
@@ -113,7 +113,7 @@ inline MeshReport make_edge_normals(const TriangleMesh& mesh, const MeshStorage&
   return {};
 }
 
-/// Six times the enclosed volume, about a vertex of the mesh, m^3.
+/// Returns six times the enclosed volume, about a vertex of the mesh, m^3.
 inline Real volume_6(const TriangleMesh& mesh) noexcept {
   const Vec3 o = mesh.corners(0)[0];
   Real sum = 0;
@@ -124,8 +124,8 @@ inline Real volume_6(const TriangleMesh& mesh) noexcept {
   return sum;
 }
 
-/// Calls f(cell index) for the cells whose circumscribed sphere the triangle touches: all those it runs
-/// through.
+/// Calls f(cell index) for the cells whose circumscribed sphere touches the triangle, a superset of the cells
+/// that it crosses.
 template <class F>
 void for_each_cell_of(const TriangleMesh& mesh, std::size_t triangle, F&& f) noexcept {
   const MeshGrid& grid = mesh.grid;
@@ -139,7 +139,7 @@ void for_each_cell_of(const TriangleMesh& mesh, std::size_t triangle, F&& f) noe
   });
 }
 
-/// The grid's box and numbers of cells.
+/// Computes the grid's box and numbers of cells.
 inline MeshReport lay_out_grid(TriangleMesh& mesh, Real spacing, std::size_t max_cells) noexcept {
   Vec3 low = mesh.vertices[0], high = low;
   for (const Vec3& v : mesh.vertices) {
@@ -177,7 +177,7 @@ inline MeshReport fill_grid(TriangleMesh& mesh, const MeshStorage& to) noexcept 
       std::min(to.cell_triangles.size(), std::size_t(std::numeric_limits<std::uint32_t>::max()));
   if (entries > room) return {MeshInvalid::cell_triangles_full, entries};
 
-  // From counts to the end of each cell, which filling from the back turns into its start.
+  // from counts to the end of each cell; filling from the back turns it into the start
   for (std::size_t c = 1; c <= cells; ++c) start[c] += start[c - 1];
   for (std::size_t t = mesh.triangles.size(); t-- > 0;)
     for_each_cell_of(mesh, t, [&](std::size_t cell) { to.cell_triangles[--start[cell]] = std::uint32_t(t); });
@@ -188,9 +188,9 @@ inline MeshReport fill_grid(TriangleMesh& mesh, const MeshStorage& to) noexcept 
 
 }  // namespace mesh_setup
 
-/// Makes `mesh` ready for queries: it refers to the arrays given, which the caller keeps. grid_spacing: edge
-/// of the grid's cells, m; about the reach of the queries or the edges of the triangles, whichever is longer.
-/// On a report other than `nothing` the mesh has no grid and MeshShape::is_valid() refuses it.
+/// Prepares `mesh` for queries. It refers to the arrays given, which the caller keeps. grid_spacing: edge of
+/// the grid's cells, m; about the reach of the queries or the edges of the triangles, whichever is longer. On
+/// a report other than `nothing` the mesh has no grid, and MeshShape::is_valid() rejects it.
 inline MeshReport set_up_mesh(std::span<const Vec3> vertices, std::span<const TriangleIndices> triangles,
                               Real grid_spacing, const MeshStorage& to, TriangleMesh& mesh) noexcept {
   using namespace mesh_setup;

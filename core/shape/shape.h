@@ -1,9 +1,7 @@
-// Fixed obstacles: solids at rest in the world, asked one question: how far is a point from the surface?
+// Fixed obstacles: solids at rest in the world, with one query: the distance of a point from the surface.
 //
-// A kind of shape answers it in its own frame S; a new one is one file like sphere.h. A sphere of
-// radius r about p touches a shape where the distance of p is below r.
-//
-// The room: a file a kind, list.h with all of them, mesh_setup.h for what meshes and height fields prepare once.
+// A kind of shape answers it in its own frame S. A new kind is one file like sphere.h. A sphere of radius r
+// about p touches a shape if the distance of p is below r.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +13,7 @@ namespace godobject {
 
 enum class ShapeKind : std::uint8_t { plane, box, sphere, capsule, height_field, mesh };
 
-/// Kinds of shapes that a body may carry: convex and bounded.
+/// True for kinds of shapes that a body may carry: convex and bounded.
 constexpr bool is_carried(ShapeKind kind) noexcept {
   return kind == ShapeKind::box || kind == ShapeKind::sphere || kind == ShapeKind::capsule;
 }
@@ -23,7 +21,7 @@ constexpr bool is_carried(ShapeKind kind) noexcept {
 struct HeightField;   // core/shape/height_field.h
 struct TriangleMesh;  // core/shape/mesh.h
 
-/// A fixed obstacle. Each kind reads its own dimensions only.
+/// A fixed obstacle. Each kind reads only its own dimensions.
 struct ShapeParams {
   ShapeKind kind = ShapeKind::plane;
   Pose X_WS{};
@@ -34,35 +32,34 @@ struct ShapeParams {
   const TriangleMesh* mesh = nullptr;         // owned by the caller
 };
 
-/// Where a surface is seen from a point p: the nearest point of the surface is p - distance * n.
+/// Surface seen from a point p: the nearest point of the surface is p - distance * n.
 struct SurfacePoint {
   Real distance = 0;       // m, negative inside
   Vec3 n = Vec3::UnitZ();  // unit, outward
 };
 
-/// a / length for a of this length; `otherwise` if a has no direction.
+/// Returns a / length, with length = |a|; `otherwise` if a has no direction.
 inline Vec3 direction(const Vec3& a, Real length, const Vec3& otherwise) noexcept {
   return length > min_length ? Vec3(a / length) : otherwise;
 }
 
-/// The surface seen from p_W, n in world axes. Exact where |distance| < reach (m, >= 0); beyond, |distance|
-/// is at least reach, n is a unit vector, and inside a mesh the sign is lost (core/shape/mesh.h). The work of
-/// a height field or mesh grows with reach, that of the others is constant. A position that is not finite
-/// gives the distance NaN.
+/// Returns the surface seen from p_W, n in world axes. Exact if |distance| < reach (m, >= 0). Beyond,
+/// |distance| is at least reach, n is a unit vector, and inside a mesh the sign is lost (core/shape/mesh.h).
+/// The cost of a height field or mesh grows with reach; that of other kinds is constant. A position that is
+/// not finite gives the distance NaN.
 template <class Shape>
 SurfacePoint nearest_on(const ShapeParams& par, const Vec3& p_W, Real reach) noexcept {
   const Vec3 p_S = to_body(par.X_WS.q, p_W - par.X_WS.p);
-  // Before a kind clamps a coordinate or makes an index of it.
+  // before a kind clamps a coordinate or converts it to an index
   if (!(p_S.sum() - p_S.sum() == 0)) return {.distance = std::numeric_limits<Real>::quiet_NaN()};
   const SurfacePoint s = Shape::nearest(par, p_S, reach);
   return {.distance = s.distance, .n = to_world(par.X_WS.q, s.n)};
 }
 
-/// A dimension that may be used: positive and finite.
+/// True if a dimension is valid: positive and finite.
 inline bool is_dimension(Real a) noexcept { return a > 0 && a - a == 0; }
 
-/// The cell of `num` along an axis that holds x; the first or last one for an x outside. Never decreases with
-/// x.
+/// Returns the cell of `num` along an axis that contains x, clamped to the first and last. Monotone in x.
 inline std::uint32_t grid_cell(Real x, Real spacing, std::uint32_t num) noexcept {
   const Real c = x / spacing;
   if (!(c > 0)) return 0;

@@ -10,7 +10,7 @@ struct SphereShape {
 
   static bool is_valid(const ShapeParams& par) noexcept { return is_dimension(par.radius); }
 
-  /// At the centre: n = z.
+  /// Returns the distance; at the centre n = z.
   static SurfacePoint nearest(const ShapeParams& par, const Vec3& p, Real) noexcept {
     const Real length = p.norm();
     return {.distance = length - par.radius, .n = direction(p, length, Vec3::UnitZ())};

@@ -1,23 +1,25 @@
-// The factor of a block system: L D L^T, unknown by unknown, with i and j the neighbours of k,
+// Factor of a block system: L D L^T, unknown by unknown, with i and j the neighbours of k,
 //
 //   (31)  A_kk = L D L^T,  Z_i = A_ik L^-T,  A_ij -= Z_i D^-1 Z_j^T
 //
-// by substitution, without inverses: a body keeps its mass beside contacts that are 1e10 times stiffer. Bound: `room`
-// blocks A_ik, and for each unknown a product for every two of its neighbours.
+// by substitution, without inverses, so that a body keeps its mass beside contacts 1e10 times stiffer. Bound:
+// `room` blocks A_ik, and for each unknown a product for every two of its neighbours.
 //
-// A block E that has no room is left out, and as much added to both diagonals (Ajiz and Jennings 1984), entry by entry
+// A block E without room is left out, and its size is added to both diagonals (Ajiz and Jennings 1984), entry
+// by entry
 //
 //   (27)  A_ii(r) += |E_rc| sqrt(a_r / a_c),  A_jj(c) += |E_rc| sqrt(a_c / a_r),  a the diagonal of A
 //
-// so that what is factored instead, M, is A and something positive: M has no pivots that are not, however much is left
-// out, and conjugate gradients with it converge. It is exact for trees, which need no blocks beyond their own.
+// The factored matrix M is then A plus a positive semidefinite matrix. All its pivots are positive, however
+// much is left out, and conjugate gradients with it converge. Trees need no further blocks, so for them M =
+// A.
 #pragma once
 
 #include "core/system/block_joint.h"
 
 namespace godobject {
 
-/// (27)  Of a block E between the unknowns numbered i and j.
+/// Adds a left-out block E to the diagonals of the unknowns numbered i and j (27).
 template <class System>
 void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const SpatialMatrix& E,
                System& w) noexcept {
@@ -39,7 +41,7 @@ void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const S
   if (rows_i == 2 && rows_j == 2) leave(E.ww, a_i.w, a_j.w, A_ii.ww, A_jj.ww);
 }
 
-/// Leaves out what has no slot.
+/// Leaves out all entries without a slot.
 template <class System>
 void leave_out_entries(System& w) noexcept {
   const auto root = [](const Block& A) noexcept {
@@ -57,7 +59,7 @@ void leave_out_entries(System& w) noexcept {
   }
 }
 
-/// Adds a block A_ij, i and j > k numbers, to its slot; without one it is left out.
+/// Adds a block A_ij, i and j > k numbers, to its slot; leaves it out if it has none.
 template <class System>
 void add_block(std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij, System& w) noexcept {
   const std::uint32_t low = std::min(i, j), high = std::max(i, j), end = w.first[low + 1];
@@ -66,7 +68,7 @@ void add_block(std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij, Syst
   else w.Z[b] += i > j ? A_ij : transposed(A_ij);
 }
 
-/// (33)  The unknown numbered k by the coordinates of its joint.
+/// Replaces the unknown numbered k by the coordinates of its joint (33).
 template <class System>
 void take_by_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexcept {
   if (joint.has_parent()) {
@@ -87,7 +89,8 @@ void take_by_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexcept 
   w.A_kk[k] = along_axes(w.A_kk[k], joint);
 }
 
-/// (31)  What the block Z_j of column k, number c, does to all blocks of later columns. columns: of k.
+/// Subtracts the products of block Z_j of column k, number c, from all blocks of later columns (31). columns:
+/// of k.
 template <int columns, class System>
 void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
   const std::uint32_t j = w.row[c], end = w.first[j + 1];
@@ -113,7 +116,7 @@ void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
   });
 }
 
-/// (31) of a system that is ordered and loaded.
+/// Factors a system that is ordered and loaded (31).
 template <class System>
 void factorize(System& w) noexcept {
   if (!w.is_complete) {
@@ -138,7 +141,7 @@ void factorize(System& w) noexcept {
   }
 }
 
-/// V = A^-1 b, or M^-1 b if blocks are left out. b is used up.
+/// Solves V = A^-1 b, or M^-1 b if blocks are left out. b is overwritten.
 template <class System, class B, class OfV>
 void solve(const System& w, B& b, OfV& V) noexcept {
   for (std::uint32_t k = 0; k < w.size; ++k) {
@@ -179,8 +182,8 @@ void solve(const System& w, B& b, OfV& V) noexcept {
   }
 }
 
-/// V = A^-1 b of a system as it is loaded. A body by itself is solved by 3 x 3 blocks, which takes two divisions in a row
-/// and not six. b is used up.
+/// Factors and solves V = A^-1 b of a loaded system. A single body is solved by 3 x 3 blocks: two divisions
+/// in a row instead of six. b is overwritten.
 template <class System, class Vector>
 void factorize_and_solve(System& w, Vector& b, Vector& V) noexcept {
   const std::uint32_t u = w.unknown[0];

@@ -1,8 +1,8 @@
-// The order in which unknowns are eliminated: of those that are left the one whose neighbours are fewest, by their size
-// (minimum degree), which joins these to each other.
+// Elimination order of the unknowns: next is the unknown with the smallest neighbourhood (minimum degree).
+// Its neighbours are then joined to each other.
 //
-// Unknowns on joints come after all that hangs on them. Where the blocks have no room, those that terms need come first,
-// as they were coupled, and what elimination would fill in as long as there is room.
+// Jointed unknowns follow all their descendants. If blocks are short, those of terms are allocated first, in
+// the order of coupling; fill-in gets the remaining ones.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 
 namespace godobject {
 
-/// What orders the unknowns, by place; room is counted in blocks.
+/// Computes the elimination order of the unknowns, by place. The available blocks are counted.
 template <class System>
 class BlockOrder {
  public:
   explicit BlockOrder(System& w) noexcept : w_(w) {}
 
-  /// False: there is no room for what would be filled in; the order is none then.
+  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the available blocks.
   bool find_complete() noexcept {
     if (!find_neighbours(w_.max_unknowns * w_.max_unknowns)) return false;
     std::size_t used = 0;
@@ -34,7 +34,7 @@ class BlockOrder {
     });
   }
 
-  /// The same with what there is room for.
+  /// Orders for an incomplete factor, within the available blocks.
   void find_incomplete() noexcept {
     find_neighbours(w_.room);
     static_cast<void>(eliminate([&](std::uint32_t next) noexcept {
@@ -58,12 +58,12 @@ class BlockOrder {
     w_.neighbours[j].insert(i);
     ++used_;
   }
-  /// i, when `next` has been eliminated.
+  /// Removes `next` from the neighbours of i after its elimination.
   void leave(std::uint32_t next, std::uint32_t i) noexcept {
     w_.neighbours[i].erase(next);
     w_.degree[i] = degree_of(i);
   }
-  /// Size of the neighbours of an unknown, in threes.
+  /// Returns the size of the neighbourhood of an unknown, in threes.
   std::uint32_t degree_of(std::uint32_t i) const noexcept {
     if constexpr (System::jointed) {
       if (w_.hanging[i] > 0) return not_yet;
@@ -76,7 +76,7 @@ class BlockOrder {
     return degree;
   }
 
-  /// Whom terms and joints couple; of terms those for which there is room.
+  /// Collects the neighbours coupled by terms and joints; of terms only those with room.
   bool find_neighbours(std::size_t room) noexcept {
     used_ = 0;
     for (std::uint32_t i = 0; i < w_.size; ++i) {
@@ -127,14 +127,14 @@ class BlockOrder {
   std::size_t used_ = 0;
 };
 
-/// Row i of the blocks [b, end) of a column, or end.
+/// Returns the block of row i among [b, end) of a column, or end.
 template <class System>
 std::uint32_t find_row(const System& w, std::uint32_t i, std::uint32_t b, std::uint32_t end) noexcept {
   while (b < end && w.row[b] < i) ++b;
   return b < end && w.row[b] == i ? b : end;
 }
 
-/// Numbers the unknowns, and gives every block its slot.
+/// Numbers the unknowns and assigns a slot to every block.
 template <class System>
 void order(System& w) noexcept {
   BlockOrder<System> find(w);

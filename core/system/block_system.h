@@ -1,12 +1,10 @@
-// One symmetric system of everything that a stage of an integrator couples: (26)  A V = b. Unknowns are twists of bodies,
-// about their centres of mass, and velocities of nodes. What acts between them is a term, and add() is the way in for all:
-// an effective mass A (h times an impedance) and an impulse b. A term says first between whom it acts, couple(), then, as
-// often as it changes, what it is. Joints are no terms: `joints` take unknowns out (33).
+// Symmetric block system of all coupled unknowns of a stage: A V = b (26). Unknowns are twists of bodies
+// about their centres of mass, and velocities of nodes. A term declares its coupling once with couple() and
+// adds its values with add_*() whenever they change: an effective mass A (h times an impedance) and an
+// impulse b. Joints are no terms: `joints` eliminate unknowns (33).
 //
-// The room: block_order.h numbers the unknowns, block_factor.h is L D L^T of the system (31), with joints by
-// block_joint.h (33), pivot.h of a diagonal block; conjugate_gradients.h iterates where the factor has no room for all
-// of its blocks. Like line_search.h it is the approach of Drake's irrotational contact fields (Castro, Han, Masterjohn
-// 2024), with the differences in docs/step.md.
+// An implementation, with line_search.h, of the approach of Drake's irrotational contact fields (Castro, Han,
+// Masterjohn 2024). docs/step.md lists the differences.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +23,10 @@ struct BlockEntry {
 };
 inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
 
-/// (33)  How an unknown moves with the one it hangs on: V = X V_parent + S q'.
+/// Motion of an unknown relative to its parent (33): V = X V_parent + S q'.
 struct BlockJoint {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
-  bool is_free = true;              // it hangs on nothing
+  bool is_free = true;              // true if it has no parent
   std::uint32_t parent = on_world;  // unknown
   int num_axes = 0;
   Column d;                         // from the parent to this one
@@ -38,9 +36,9 @@ struct BlockJoint {
   bool has_parent() const noexcept { return !is_free && parent != on_world; }
 };
 
-/// Scratch: undefined between steps. room: blocks beside the diagonal that the factor has room for. Of the unknowns the
-/// first max_bodies are bodies, the others nodes.
-/// always_keeps: what was loaded is kept however the system is solved.
+/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. Of the unknowns the
+/// first max_bodies are bodies, the others nodes. always_keeps: loaded values are kept for any kind of
+/// solution.
 template <std::size_t max_bodies_, std::size_t max_nodes_, std::size_t max_entries_, std::size_t room_,
           bool jointed_, bool always_keeps_ = false>
 struct BlockSystem {
@@ -53,7 +51,7 @@ struct BlockSystem {
   using Vector = std::array<SpatialVector, max_unknowns>;
   using Set = BitSet<max_unknowns>;
 
-  // the unknowns that are solved for: by place, as they were added, until they are numbered in the order of elimination
+  // unknowns of the system, by place in the order of adding, until they are numbered in elimination order
   std::uint32_t size = 0;
   std::array<std::uint32_t, max_unknowns> unknown, number_of;
   std::uint32_t num_entries = 0;
@@ -62,14 +60,15 @@ struct BlockSystem {
   Vector b;
   [[no_unique_address]] std::conditional_t<jointed, std::array<BlockJoint, max_unknowns>, Absent<14>> joints;
 
-  // by number, A_kk and the blocks A_ik of each column by rising rows: as terms load them, then L D L^T, (31), Z_i
+  // by number, A_kk and the blocks A_ik of each column by rising rows: first as loaded, then L D L^T, (31),
+  // Z_i
   std::array<SymmetricSpatialMatrix, max_unknowns> A_kk;
   std::array<Pivot, max_unknowns> pivots;
   std::array<std::uint32_t, max_unknowns + 1> first;
   std::array<std::uint32_t, room> row;
   std::array<bool, room> is_fill;  // zero but for elimination
   std::array<SpatialMatrix, room> Z;
-  // false: blocks without room are left out, and conjugate gradients ask for A and entries as they were loaded
+  // false if blocks without room are left out; conjugate gradients then need A and entries as loaded
   bool is_complete = true;
   std::array<SymmetricSpatialMatrix, max_unknowns> A;
   std::array<SpatialVector, max_unknowns> root_diagonal;
@@ -88,9 +87,9 @@ struct BlockSystem {
     return nullptr;
   }
 
-  /// The system as it was loaded outlives its factor.
+  /// True if the loaded system is kept beside its factor.
   bool is_kept() const noexcept { return always_keeps || !is_complete; }
-  /// Keeps the diagonal as it is; entries are kept as they are loaded.
+  /// Keeps the diagonal; entries are kept as loaded.
   void keep() noexcept {
     for (std::uint32_t k = 0; k < size; ++k) A[k] = A_kk[k];
   }
@@ -101,7 +100,7 @@ struct BlockSystem {
     unknown[size++] = u;
     if constexpr (jointed) joints[u].is_free = true;
   }
-  /// Says that a term acts between two unknowns. Its entry; no_slot: there are max_entries.
+  /// Declares that a term couples two unknowns. Returns its entry; no_slot if there are max_entries.
   std::uint32_t couple(std::uint32_t i, std::uint32_t j) noexcept {
     if (num_entries == max_entries) return no_slot;
     BlockEntry& entry = entries[num_entries];
@@ -109,7 +108,7 @@ struct BlockSystem {
     entry.j = j;
     return num_entries++;
   }
-  /// Before terms are loaded: nothing couples anything. Each unknown's own term is set(), others are added.
+  /// Clears the system before terms are loaded. Each unknown's own term is set(), others are added.
   void begin_loading() noexcept {
     for (std::uint32_t s = 0; s < first[size]; ++s) Z[s] = SpatialMatrix::zero();
     if (!is_kept()) return;
@@ -122,17 +121,17 @@ struct BlockSystem {
   }
   void add(std::uint32_t i, const SymmetricSpatialMatrix& A_ii) noexcept { A_kk[number_of[i]] += A_ii; }
   void add_impulse(std::uint32_t i, const SpatialVector& b_i) noexcept { b[i] = b[i] + b_i; }
-  /// A_ij of an entry.
+  /// Adds A_ij to an entry.
   void add_coupling(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {
     add_to_factor(entry, A_ij);
     if (is_kept()) entries[entry].A += A_ij;
   }
-  /// A_ij of an entry, for the factor alone: after keep().
+  /// Adds A_ij to an entry of the factor alone, after keep().
   void add_to_factor(std::uint32_t entry, const SpatialMatrix& A_ij) noexcept {
     const BlockEntry& e = entries[entry];
     if (e.slot != no_slot) Z[e.slot] += number_of[e.i] > number_of[e.j] ? A_ij : transposed(A_ij);
   }
-  /// An effective mass for the twist of body c against body p, d away, taken at c. entry: of (p, c).
+  /// Adds an effective mass for the twist of body c against body p, d away, taken at c. entry: of (p, c).
   void add_between(std::uint32_t entry, const SymmetricSpatialMatrix& A_c, const Column& d) noexcept {
     const SpatialMatrix A_pc = coupling(A_c, d);
     A_kk[number_of[entries[entry].j]] += A_c;
@@ -140,12 +139,12 @@ struct BlockSystem {
     add_coupling(entry, A_pc);
   }
 
-  /// f(unknown) for all of them.
+  /// Calls f(unknown) for all unknowns.
   template <class F>
   void each(F f) const noexcept {
     for (std::uint32_t k = 0; k < size; ++k) f(unknown[k]);
   }
-  /// AV = A V; if the system is not kept, before it is factored.
+  /// Computes AV = A V. A system that is not kept must not be factored yet.
   template <class OfV, class OfAV>
   void multiply(const OfV& V, OfAV& AV) const noexcept {
     const auto& diagonal = is_kept() ? A : A_kk;
@@ -163,13 +162,13 @@ struct BlockSystem {
     }
   }
 
-  /// f(rows of unknown u) as a constant: 2, or 1 for a node.
+  /// Calls f with the rows of unknown u as a constant: 2, or 1 for a node.
   template <class F>
   static void with_rows(std::uint32_t u, F f) noexcept {
     if (is_body(u)) f(std::integral_constant<int, 2>{});
     else f(std::integral_constant<int, 1>{});
   }
-  /// f(columns of unknown u) as a constant, once it is numbered: the coordinates of a joint are in one.
+  /// Calls f with the columns of a numbered unknown u as a constant: 1 for coordinates of a joint.
   template <class F>
   void with_columns(std::uint32_t u, F f) const noexcept {
     if (is_body(u) && joint_of(u) == nullptr) f(std::integral_constant<int, 2>{});

@@ -1,4 +1,4 @@
-// A V = b by conjugate gradients, preconditioned by the incomplete factor: where that has no room for all blocks.
+// Solution of A V = b by conjugate gradients, preconditioned by the incomplete factor if blocks are short.
 #pragma once
 
 #include <limits>
@@ -8,13 +8,14 @@
 
 namespace godobject {
 
-/// Scratch: undefined between steps. V: the solution, r = b - A V; V_0: where the iteration begins, and A V_0.
+/// Vectors of the iteration, undefined between steps. V: solution, r = b - A V; V_0: start, and A V_0.
 template <class System>
 struct SystemVectors {
   typename System::Vector V, V_0, r, AV_0, z, p, Ap;
 };
 
-/// V^T A V of a positive definite A; zero where it is less than its own rounding, since V has no length then.
+/// Computes V^T A V of a positive definite A; zero if it is below its own rounding, because V has no length
+/// then.
 class SquaredLength {
  public:
   template <class Vector>
@@ -34,13 +35,13 @@ class SquaredLength {
   SpatialSum sum_, size_;
 };
 
-/// How an iteration ended: after how many, and whether because all velocities were known.
+/// End of an iteration: its number of steps, and whether all velocities converged.
 struct Iterated {
   int iterations = 0;
   bool converged = false;
 };
 
-/// (28) of V, A V = b - r, but for rounding: by the multiple of V that has it.
+/// Scales V, A V = b - r, so that (28) holds up to rounding.
 template <class System, class Vectors>
 void keep_balance(const System& system, Vectors& x) noexcept {
   const auto& b = system.b;
@@ -56,14 +57,15 @@ void keep_balance(const System& system, Vectors& x) noexcept {
   });
 }
 
-/// From the best multiple of V_0 and with all directions conjugate to it. Every iterate keeps
+/// Iterates from the best multiple of V_0, with all directions conjugate to it. Every iterate keeps the
+/// energy balance of the exact solution, as from rest:
 ///
 ///   (28)  V^T A V = V^T b
 ///
-/// the balance of energy of the exact solution, as it does from rest; what rounding takes of it is given back in the
-/// end. A direction without a length ends the iteration. Every step is the best one along its direction. The
-/// system keeps what was loaded: is_complete is false.
-/// speed_sq(u, V): of unknown u at V, squared; below the tolerance, m/s, for all of them the iteration ends.
+/// Rounding errors of it are corrected at the end. A direction without a length ends the iteration. Every
+/// step is the best one along its direction. The system keeps its loaded values: is_complete is false.
+/// speed_sq(u, V): squared speed of unknown u at V. tolerance: m/s; the iteration ends when all speeds are
+/// below it.
 template <class System, class Vectors, class Speed>
 Iterated iterate(int most_iterations, Real tolerance, const System& system, Vectors& x,
                  Speed speed_sq) noexcept {
@@ -92,7 +94,7 @@ Iterated iterate(int most_iterations, Real tolerance, const System& system, Vect
       rz.add(x.r[u], x.z[u]);
       AV_0_z.add(x.AV_0[u], x.z[u]);
     });
-    // coupled: no residual at all, as of a net at rest
+    // coupled: residual exactly zero, as of a net at rest
     converged = System::is_coupled ? rz == 0 : iterations > 0 && error_sq <= tolerance * tolerance;
     if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
     const Real mu = norm_0 > 0 ? AV_0_z / norm_0 : 0, beta = rz / last;
@@ -115,7 +117,7 @@ Iterated iterate(int most_iterations, Real tolerance, const System& system, Vect
       x.r[u] = x.Ap[u] = x.r[u] - x.Ap[u] * alpha;
       if constexpr (System::is_coupled) change_sq = std::max(change_sq, speed_sq(u, x.p[u]));
     });
-    // where a solve by the preconditioner is dear, the iteration's own step says when it is the last
+    // coupled: each preconditioner solve is expensive, so the size of the step decides
     if (System::is_coupled && alpha * alpha * change_sq <= tolerance * tolerance) {
       converged = true;
       ++iterations;

@@ -1,31 +1,31 @@
-// L D L^T of the diagonal block of one unknown, 6 x 6 or 3 x 3, and what it does to the blocks beside it.
+// L D L^T of the diagonal block of one unknown, 6 x 6 or 3 x 3, and its operations on neighbouring blocks.
 //
-// By substitution, without an inverse: what is small beside the rest keeps its digits. Unknowns of three numbers stand
-// in v, and have no w.
+// By substitution, without an inverse, so that small entries beside large ones keep their digits. Unknowns of
+// three numbers are stored in v, without w.
 #pragma once
 
 #include "core/math/spatial.h"
 
 namespace godobject {
 
-/// A = L D L^T. L has ones on its diagonal, which are left out; its blocks and their transposes.
+/// A = L D L^T: blocks of L and their transposes. The unit diagonal of L is not stored.
 struct Pivot {
   Block ww, vw, vv, ww_T, vw_T, vv_T;
   std::array<Pack, 6> D_inverse;
   Column D_inverse_w, D_inverse_v;
 };
 
-/// Lanes after j.
+/// Returns the lanes after j, zero elsewhere.
 template <int j>
 Pack below(const Pack& a) noexcept {
   return a * Pack(j < 0 ? 1 : 0, j < 1 ? 1 : 0, j < 2 ? 1 : 0, 0);
 }
-/// A diagonal from its numbers, each in all lanes.
+/// Returns a diagonal from its numbers, each in all lanes.
 inline Column diagonal(const Pack& x, const Pack& y, const Pack& z) noexcept {
   return Column(shuffled<0, 1, 4, 4>(shuffled<0, 4, 0, 4>(x, y), z));
 }
 
-/// The last three numbers of a pivot, u what is left of A_vv.
+/// Factors the last three numbers of a pivot. u: Schur complement of A_vv.
 inline void factor_v(std::array<Column, 3>& u, Pivot& f) noexcept {
   const Pack r_3 = f.D_inverse[3] = Pack(1) / u[0].all<0>();
   f.vv.col[0] = Column(below<0>(u[0].p * r_3));
@@ -40,7 +40,7 @@ inline void factor_v(std::array<Column, 3>& u, Pivot& f) noexcept {
   f.D_inverse_v = diagonal(f.D_inverse[3], f.D_inverse[4], f.D_inverse[5]);
 }
 
-/// rows: in threes, 2 for (w, v), 1 for v alone. The same below.
+/// Factors a diagonal block. rows: in threes, 2 for (w, v), 1 for v alone, also in the functions below.
 template <int rows>
 void factor(const SymmetricSpatialMatrix& A, Pivot& f) noexcept {
   std::array<Column, 3> u = A.vv.col;
@@ -72,7 +72,7 @@ void factor(const SymmetricSpatialMatrix& A, Pivot& f) noexcept {
   factor_v(u, f);
 }
 
-/// L^-1 b.
+/// Returns L^-1 b.
 template <int rows>
 SpatialVector lowered(const Pivot& f, SpatialVector b) noexcept {
   if constexpr (rows == 2) {
@@ -84,14 +84,14 @@ SpatialVector lowered(const Pivot& f, SpatialVector b) noexcept {
   b.v -= f.vv.col[1] * b.v.all<1>();
   return b;
 }
-/// D^-1 b.
+/// Returns D^-1 b.
 template <int rows>
 SpatialVector scaled(const SpatialVector& b, const Pivot& f) noexcept {
   SpatialVector scaled{.w = Column(Pack(0)), .v = Column(b.v.p * f.D_inverse_v.p)};
   if constexpr (rows == 2) scaled.w = Column(b.w.p * f.D_inverse_w.p);
   return scaled;
 }
-/// L^-T b.
+/// Returns L^-T b.
 template <int rows>
 SpatialVector raised(const Pivot& f, SpatialVector V) noexcept {
   V.v -= f.vv_T.col[2] * V.v.all<2>();
@@ -104,7 +104,7 @@ SpatialVector raised(const Pivot& f, SpatialVector V) noexcept {
   return V;
 }
 
-/// A L^-T; A has so many rows, and as many columns as the pivot.
+/// Computes A L^-T for A of `rows` rows and the pivot's number of columns.
 template <int rows, int columns>
 void substitute(const Pivot& f, SpatialMatrix& A) noexcept {
   const auto from_w = [&]<int m>(std::integral_constant<int, m>) noexcept {
@@ -132,7 +132,7 @@ void substitute(const Pivot& f, SpatialMatrix& A) noexcept {
     }
   }
 }
-/// A D^-1.
+/// Returns A D^-1.
 template <int rows, int columns>
 SpatialMatrix scaled(const SpatialMatrix& A, const Pivot& f) noexcept {
   SpatialMatrix scaled;
@@ -147,14 +147,15 @@ SpatialMatrix scaled(const SpatialMatrix& A, const Pivot& f) noexcept {
   return scaled;
 }
 
-/// A B^T of two rows of blocks, (w, v) or v alone. Inlined: a call passes blocks through memory.
+/// Returns A B^T of two rows of blocks, (w, v) or v alone. Inlined, because a call passes blocks through
+/// memory.
 template <int columns>
 [[gnu::always_inline]] inline Block times_transpose(const Block& A_w, const Block& A_v, const Block& B_w,
                                                     const Block& B_v) noexcept {
   if constexpr (columns == 1) return times_transpose(A_v, B_v);
   else return times_transpose(A_w, B_w) + times_transpose(A_v, B_v);
 }
-/// C -= A B^T, A and B with so many rows each and the same columns.
+/// Computes C -= A B^T, for A and B with so many rows each and the same columns.
 template <int rows_A, int rows_B, int columns>
 void subtract_product(const SpatialMatrix& A, const SpatialMatrix& B, SpatialMatrix& C) noexcept {
   if constexpr (rows_A == 2 && rows_B == 2) C.ww -= times_transpose<columns>(A.ww, A.wv, B.ww, B.wv);
@@ -171,13 +172,13 @@ void subtract_product(const SpatialMatrix& A, const SpatialMatrix& B, SymmetricS
   C.vv -= times_transpose<columns>(A.vw, A.vv, B.vw, B.vv);
 }
 
-/// b -= A V.
+/// Computes b -= A V.
 template <int rows, int columns>
 void subtract_product(const SpatialMatrix& A, const SpatialVector& V, SpatialVector& b) noexcept {
   if constexpr (rows == 2) b.w -= columns == 2 ? A.ww * V.w + A.wv * V.v : A.wv * V.v;
   b.v -= columns == 2 ? A.vw * V.w + A.vv * V.v : A.vv * V.v;
 }
-/// sum += A^T V.
+/// Computes sum += A^T V.
 template <int rows, int columns>
 void add_product_transposed(const SpatialMatrix& A, const SpatialVector& V, SpatialVector& sum) noexcept {
   if constexpr (columns == 2) {

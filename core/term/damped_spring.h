@@ -1,4 +1,4 @@
-// Springs with dampers between points of bodies, nodes or the world: a term.
+// Term: springs with dampers between points of bodies, nodes or the world.
 #pragma once
 
 #include "core/joint/tree.h"
@@ -7,13 +7,14 @@
 
 namespace godobject {
 
-/// A point on a body, on a node (p is zero then), or of the world.
+/// Point on a body, on a node (p is zero then), or of the world.
 struct SpringEnd {
   std::uint32_t on = TermEnds::on_world;
   Vec3 p = Vec3::Zero();  // from the centre of mass in body axes, or in the world, m
 };
 
-/// With the ends x apart, l = |x|, u = x / l, the force on b, and on a its opposite, is
+/// Parameters of a spring. With the ends x apart, l = |x|, u = x / l, the force on b, opposite to that on a,
+/// is
 ///
 ///   (36)  F = -k (l - l_0) u - g (u . x') u;   of no rest length, -k x - g x'
 struct DampedSpringParams {
@@ -31,9 +32,9 @@ bool is_valid(const DampedSpringParams& par, IsThere is_there) noexcept {
          par.a.on != par.b.on && p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
 }
 
-/// (37)  A spring in a stage: the impulse J - K x' on b, with x' at the end of the stage. K = h (h K_s + G), stiffness and
-/// damping where the stage is predicted to end. Of the stiffness the part that is not positive, k (1 - l_0 / l) across
-/// a spring shorter than l_0, is left out.
+/// Spring in a stage (37): the impulse J - K x' on b, with x' at the end of the stage. K = h (h K_s + G),
+/// stiffness and damping at the predicted end. The negative part of the stiffness, k (1 - l_0 / l) across a
+/// spring shorter than l_0, is left out.
 struct SpringStage {
   TermEnds ends;
   Column r_a, r_b;  // from the centres of mass, world axes
@@ -42,14 +43,14 @@ struct SpringStage {
   Block K;
 };
 
-/// At most so many.
+/// Kind of term with a capacity for springs.
 template <std::size_t max_>
 struct DampedSprings {
   static constexpr std::size_t max = max_;
   using Param = DampedSpringParams;
   using Stage = SpringStage;
 
-  /// at[u]: where u is predicted to be at the end of a stage of length h.
+  /// Linearises a spring. at[u]: predicted place of u at the end of a stage of length h.
   template <class Places>
   static void begin(const Param& par, const Places& at, Real h, Stage& w) noexcept {
     Vec3 r_a, r_b, v_a, v_b;
@@ -78,14 +79,14 @@ struct DampedSprings {
          .K = {{Column(Vec3(K.col(0))), Column(Vec3(K.col(1))), Column(Vec3(K.col(2)))}}};
   }
 
-  /// f(u, r, force at r on u where the stage starts).
+  /// Calls f(u, r, force at r on u at the start of the stage).
   template <class F>
   static void each_force(const Stage& w, F f) noexcept {
     f(w.ends.j, w.r_b, w.F_0);
     if (w.ends.is_between()) f(w.ends.i, w.r_a, -w.F_0);
   }
 
-  /// The velocities are taken against those of V from here on.
+  /// Makes the velocities of the term relative to V.
   template <class Twists>
   static void shift(const Twists& V, Stage& w) noexcept {
     w.J -= w.K * opening(V, w);
@@ -106,7 +107,7 @@ struct DampedSprings {
     system.add_coupling(entry, shifted(coupling(at_end, w.r_a), w.r_b));
   }
 
-  /// f(u, impulse on u about its centre of mass) at the twists V.
+  /// Calls f(u, impulse on u about its centre of mass) at the twists V.
   template <class Twists, class F>
   static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
     const SpatialVector J{.w = Column(Pack(0)), .v = w.J - w.K * opening(V, w)};
@@ -114,7 +115,7 @@ struct DampedSprings {
     if (w.ends.is_between()) f(w.ends.i, moved_wrench(J * Real(-1), w.r_a));
   }
 
-  /// J; point(u, p): where the point p of u is, m.
+  /// Returns the energy, J. point(u, p): position of the point p of u, m.
   template <class Point>
   static Real energy(const Param& par, Point point) noexcept {
     const Real stretch = (point(par.b.on, par.b.p) - point(par.a.on, par.a.p)).norm() - par.l_0;
@@ -131,7 +132,7 @@ struct DampedSprings {
     v = place.V.v + place.V.w.cross(place.p_W + r - place.a_W);
     return place.p_W + r;
   }
-  /// x' at the twists V.
+  /// Returns x' at the twists V.
   template <class Twists>
   static Column opening(const Twists& V, const Stage& w) noexcept {
     const Column v_b = shifted(V[w.ends.j], w.r_b).v;

@@ -1,11 +1,13 @@
-// Terms: what acts between bodies, nodes and the world as an effective mass and an impulse in the block system (26) do.
+// Terms: forces between bodies, nodes and the world, as effective masses and impulses in the block system
+// (26).
 //
 //   using Terms = TermList<DampedSprings<4>>;
 //
-// The room: this file is the list of a scene's terms; each kind of term is a file of its own and a word in that list, so
-// far damped_spring.h. A kind says how many there may be (max), what one of them is (Param), and in a stage (Stage).
-// ends() are those between whom it acts, begin() is what it is where the stage is predicted to end, linear in the
-// velocities from there; load() is its way into the system, each_impulse() what it does at the velocities of the end.
+// Kinds of terms are a file each, such as damped_spring.h; this file has the list of the kinds of a scene.
+// Members of a kind: max, the largest number of its terms; Param, the parameters of one; Stage, one in a
+// stage.
+// ends(): bodies or nodes that it couples. begin(): linearises it about the predicted end of the stage.
+// load(): adds it to the block system. each_impulse(): its impulses at the velocities of the end.
 #pragma once
 
 #include <tuple>
@@ -15,7 +17,7 @@
 
 namespace godobject {
 
-/// Between whom a term acts: numbers of bodies or nodes (node_number); i may be the world.
+/// Bodies or nodes that a term couples, by number (node_number); i may be the world.
 struct TermEnds {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   std::uint32_t i = on_world, j = 0;
@@ -23,27 +25,27 @@ struct TermEnds {
   bool is_between() const noexcept { return i != on_world; }
 };
 
-/// A term in the graph of those that act on each other. Scratch: undefined between steps.
+/// Term in the graph of coupled bodies and nodes. Undefined between steps.
 struct TermEdge : TermEnds {
   std::uint32_t island = 0, entry = 0;  // entry: of the island's system, if it is between two
 };
 
-/// So many of a kind.
+/// Terms of one kind, up to its capacity.
 template <class T, std::size_t max>
 struct TermArray {
   std::array<T, max> list;
   std::size_t size = 0;
 };
 
-/// The terms part of a scene.
+/// Terms part of a scene.
 template <class... Kinds>
 struct TermList {
   static constexpr std::size_t max_terms = (Kinds::max + ... + 0);
   using State = Empty;
-  /// Constant while running.
+  /// Parameters, constant during a run.
   struct Params {
     std::tuple<TermArray<typename Kinds::Param, Kinds::max>...> of_kinds;
-    /// The terms of kind number k of the list.
+    /// Returns the terms of kind number k of the list.
     template <std::size_t k>
     auto& of() noexcept {
       return std::get<k>(of_kinds);
@@ -51,12 +53,12 @@ struct TermList {
   };
   using Stages = std::tuple<TermArray<typename Kinds::Stage, Kinds::max>...>;
 
-  /// f(kind, parameters, stages) of each kind.
+  /// Calls f(kind, parameters, stages) for each kind.
   template <class F>
   static void each_kind(const Params& par, Stages& stages, F f) noexcept {
     with_kinds([&](auto... k) { (f(Kinds{}, std::get<k>(par.of_kinds), std::get<k>(stages)), ...); });
   }
-  /// f(kind, parameters) of each term.
+  /// Calls f(kind, parameters) for each term.
   template <class F>
   static void each_param(const Params& par, F f) noexcept {
     const auto each_of = [&](auto kind, const auto& terms) noexcept {
@@ -64,7 +66,7 @@ struct TermList {
     };
     with_kinds([&](auto... k) { (each_of(Kinds{}, std::get<k>(par.of_kinds)), ...); });
   }
-  /// f(kind, number among all terms, stage) of each term.
+  /// Calls f(kind, number among all terms, stage) for each term.
   template <class Stages, class F>
   static void each(Stages& stages, F f) noexcept {
     std::uint32_t number = 0;

@@ -1,5 +1,5 @@
-// Consistent Overhead Byte Stuffing (Cheshire and Baker 1999): frames without zeros, a zero after each. A receiver that
-// comes in the middle, or has lost bytes, is in step again at the next zero.
+// Consistent Overhead Byte Stuffing (Cheshire and Baker 1999): frames without zeros, each followed by a zero.
+// A receiver that starts within a frame or loses bytes resynchronises at the next zero.
 #pragma once
 
 #include <array>
@@ -10,23 +10,24 @@
 
 namespace godobject {
 
-/// Bytes on the wire of n bytes of payload, the closing zero included.
+/// Returns the bytes on the wire for n bytes of payload, including the closing zero.
 constexpr std::size_t cobs_size(std::size_t n) noexcept { return n + n / 254 + 2; }
 
-/// Writes the frame of `payload`, the closing zero included. None when `out` is smaller than cobs_size().
+/// Encodes `payload` into `out`, including the closing zero. Returns the size, or nullopt if `out` is smaller
+/// than cobs_size().
 [[nodiscard]] std::optional<std::size_t> cobs_encode(std::span<const std::uint8_t> payload,
                                                      std::span<std::uint8_t> out) noexcept;
 
-/// Takes frames out of a stream, byte by byte. Both forms after a full block of 254 bytes are read: with a closing 01
-/// and without. Nothing comes between two zeros: empty frames are ignored.
+/// Decodes frames from a byte stream. Accepts a full block of 254 bytes with or without a closing 01. Ignores
+/// empty frames, that is, consecutive zeros.
 class CobsDecoder {
  public:
   static constexpr std::size_t max_payload = 256;
 
   enum class Result : std::uint8_t {
-    more,       // in the middle of a frame
-    frame,      // payload() is complete, until the next byte
-    cut_off,    // a zero came where a block was not at its end: the frame is lost
+    more,       // within a frame
+    frame,      // payload() is complete and valid until the next byte
+    cut_off,    // a zero arrived within a block: the frame is lost
     too_large,  // more than max_payload bytes: the frame is lost
   };
 
@@ -39,8 +40,8 @@ class CobsDecoder {
 
   std::array<std::uint8_t, max_payload> payload_{};
   std::size_t size_ = 0;
-  std::uint8_t left_ = 0;      // bytes of the block still to come
-  bool zero_pending_ = false;  // the block before stands for a zero, unless the frame ends here
+  std::uint8_t left_ = 0;      // remaining bytes of the block
+  bool zero_pending_ = false;  // the previous block stands for a zero, unless the frame ends here
   bool started_ = false;
   bool complete_ = false;
   bool overflow_ = false;

@@ -1,7 +1,4 @@
 // Integers to and from the little-endian bytes of a message, and numbers to integers without overflow.
-//
-// The room: what wires and protocols share: cobs.h and crc16.h, fixed_queue.h, clock_map.h and stamp_clock.h for
-// clocks that are not ours, one_euro.h for noisy poses, format.h for what people read.
 #pragma once
 
 #include <bit>
@@ -15,21 +12,21 @@
 
 namespace godobject {
 
-/// What a parse function says about a frame. The output is written on `ok` only.
+/// Result of a parse function. The output is written on `ok` only.
 enum class ParseResult : std::uint8_t {
   ok,
   other_message,  // identifier or kind of frame does not match: try another parser
   too_short,
   too_long,
-  bad_value,  // a field holds a value the protocol does not define
+  bad_value,  // a field holds a value that the protocol does not define
 };
 
-/// Writes integers one after the other, little-endian.
+/// Writes integers consecutively, little-endian.
 class ByteWriter {
  public:
   explicit constexpr ByteWriter(std::span<std::uint8_t> bytes) noexcept : bytes_(bytes) {}
 
-  /// Nothing is written, now and from here on, when the value does not fit.
+  /// Appends a value. If it does not fit, this and all later calls write nothing.
   template <std::integral T>
   constexpr ByteWriter& put(T value) noexcept {
     ok_ = ok_ && bytes_.size() - size_ >= sizeof(T);
@@ -41,7 +38,7 @@ class ByteWriter {
     return *this;
   }
 
-  /// IEEE 754, 32 bits.
+  /// Appends an IEEE 754 float of 32 bits.
   constexpr ByteWriter& put(float value) noexcept { return put(std::bit_cast<std::uint32_t>(value)); }
 
   constexpr bool ok() const noexcept { return ok_; }
@@ -53,12 +50,12 @@ class ByteWriter {
   bool ok_ = true;
 };
 
-/// Reads integers one after the other, little-endian.
+/// Reads integers consecutively, little-endian.
 class ByteReader {
  public:
   explicit constexpr ByteReader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
 
-  /// `value` stays as it was, now and from here on, when the bytes end before it.
+  /// Reads a value. If too few bytes remain, this and all later calls leave `value` unchanged.
   template <std::integral T>
   constexpr ByteReader& get(T& value) noexcept {
     ok_ = ok_ && bytes_.size() - position_ >= sizeof(T);
@@ -70,7 +67,7 @@ class ByteReader {
     return *this;
   }
 
-  /// IEEE 754, 32 bits; may be infinite or not a number.
+  /// Reads an IEEE 754 float of 32 bits, which may be infinite or NaN.
   constexpr ByteReader& get(float& value) noexcept {
     std::uint32_t bits = 0;
     if (get(bits).ok()) value = std::bit_cast<float>(bits);
@@ -78,7 +75,7 @@ class ByteReader {
   }
 
   constexpr bool ok() const noexcept { return ok_; }
-  /// Bytes that have not been read.
+  /// Returns the number of unread bytes.
   constexpr std::size_t left() const noexcept { return bytes_.size() - position_; }
 
  private:
@@ -87,8 +84,8 @@ class ByteReader {
   bool ok_ = true;
 };
 
-/// x rounded to the nearest integer (halves away from zero), held within [low, high]. NaN gives 0, which must
-/// lie in the range: on the wire it is the value that asks for no motion.
+/// Rounds x to the nearest integer (halves away from zero) and clamps it to [low, high]. Returns 0 for NaN:
+/// on the wire 0 commands no motion. The range must contain 0.
 template <std::integral T>
 T saturate_to(double x, T low = std::numeric_limits<T>::min(),
               T high = std::numeric_limits<T>::max()) noexcept {
@@ -99,7 +96,7 @@ T saturate_to(double x, T low = std::numeric_limits<T>::min(),
   return static_cast<T>(rounded);
 }
 
-/// Compares the size of a frame with the only one its message has.
+/// Compares the size of a frame with the only size that its message has.
 [[nodiscard]] constexpr ParseResult check_size(std::size_t size, std::size_t expected) noexcept {
   if (size < expected) return ParseResult::too_short;
   return size > expected ? ParseResult::too_long : ParseResult::ok;

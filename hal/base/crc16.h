@@ -1,4 +1,4 @@
-// The two CRC-16 of our serial lines, one routine each way round.
+// The two CRC-16 variants of the serial protocols: one routine per bit order.
 #pragma once
 
 #include <array>
@@ -8,19 +8,19 @@
 
 namespace godobject {
 
-/// How a CRC-16 shifts. Neither of ours has a final exclusive-or.
+/// Parameters of a CRC-16. Both variants have no final exclusive-or.
 struct Crc16Kind {
   std::uint16_t polynomial = 0;  // bit-reversed when `reflected`
   std::uint16_t initial = 0;
   bool reflected = false;
 };
 
-/// CRC-16/ARC, of the NDI Combined API: x16 + x15 + x2 + 1. Check value of "123456789": BB3D.
+/// CRC-16/ARC of the NDI Combined API: x16 + x15 + x2 + 1. Check value of "123456789": BB3D.
 inline constexpr Crc16Kind crc16_arc{.polynomial = 0xA001, .initial = 0x0000, .reflected = true};
-/// CRC-16/CCITT-FALSE, of the encoder board: x16 + x12 + x5 + 1. Check value of "123456789": 29B1.
+/// CRC-16/CCITT-FALSE of the encoder board: x16 + x12 + x5 + 1. Check value of "123456789": 29B1.
 inline constexpr Crc16Kind crc16_ccitt{.polynomial = 0x1021, .initial = 0xFFFF, .reflected = false};
 
-/// The CRC of every single byte.
+/// Computes the CRC of each single byte.
 template <Crc16Kind kind>
 consteval std::array<std::uint16_t, 256> crc16_table() {
   std::array<std::uint16_t, 256> table{};
@@ -35,7 +35,7 @@ consteval std::array<std::uint16_t, 256> crc16_table() {
   return table;
 }
 
-/// CRC of the bytes; `so_far` goes on with an earlier part.
+/// Computes the CRC of `bytes`. so_far: CRC of the preceding bytes of the same message.
 template <Crc16Kind kind>
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes,
                               std::uint16_t so_far = kind.initial) noexcept {

@@ -1,4 +1,4 @@
-// First in, first out, in place.
+// First-in first-out queue with storage in place.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@ namespace godobject {
 template <class T, std::size_t N>
 class FixedQueue {
  public:
-  /// False, and nothing stored, when full.
+  /// Appends a value. Returns false and stores nothing if the queue is full.
   [[nodiscard]] bool push(const T& value) noexcept {
     if (size_ == N) return false;
     items_[(first_ + size_) % N] = value;
@@ -17,7 +17,7 @@ class FixedQueue {
     return true;
   }
 
-  /// The oldest. Only when not empty, as pop().
+  /// Returns the oldest value. The queue must not be empty, as for pop().
   const T& front() const noexcept { return items_[first_]; }
   void pop() noexcept {
     first_ = (first_ + 1) % N;

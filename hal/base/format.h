@@ -1,4 +1,4 @@
-// Numbers and printf in strings, for what people read.
+// Formats numbers and printf patterns as strings for users.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// At most 159 characters. Allocates.
+/// Formats like printf; at most 159 characters. Allocates.
 [[gnu::format(printf, 1, 2)]] inline std::string format(const char* pattern, ...) {
   std::array<char, 160> text{};
   std::va_list arguments;
@@ -19,14 +19,14 @@ namespace godobject {
   return text.data();
 }
 
-/// The shortest decimal text that reads back as the same double: "3", "0.1".
+/// Returns the shortest decimal text that parses to the same double: "3", "0.1".
 inline std::string shortest_plain(double x) {
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
   return {text.data(), end};
 }
 
-/// The same with a point or an exponent: "3.0".
+/// Returns the text of shortest_plain() with a decimal point or an exponent: "3.0".
 inline std::string shortest(double x) {
   std::string text = shortest_plain(x);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";

@@ -1,5 +1,5 @@
-// One-Euro filter (Casiez, Roussel, Vogel, CHI 2012) of a pose: a low-pass whose cut-off rises with the speed, so that a
-// hand at rest does not tremble and a fast one is not held back.
+// One-Euro filter (Casiez, Roussel, Vogel, CHI 2012) of a pose: a low-pass whose cut-off rises with speed. It
+// removes tremor of a resting hand and adds little delay to a fast one.
 #pragma once
 
 #include <cmath>
@@ -10,15 +10,16 @@
 namespace godobject {
 
 struct OneEuroParams {
-  double min_cutoff_hz = 0;         // at rest; 0: no filter
-  double cutoff_slope_s_per_m = 0;  // Hz per m/s
+  double min_cutoff_hz = 0;         // cut-off at rest, Hz; 0: no filter
+  double cutoff_slope_s_per_m = 0;  // increase of the cut-off with speed, Hz per m/s
 };
 
 class OneEuro {
  public:
   explicit OneEuro(const OneEuroParams& params) noexcept : params_(params) {}
 
-  /// The filtered pose. dt: s since the sample before, > 0. The first sample comes back as it is.
+  /// Returns the filtered pose. dt: time since the previous sample, s, > 0. Returns the first sample
+  /// unchanged.
   Pose filter(const Pose& X, double dt) noexcept {
     if (params_.min_cutoff_hz <= 0) return X;
     if (!started_ || !(dt > 0)) {
@@ -27,7 +28,7 @@ class OneEuro {
       V_ = {};
       return X;
     }
-    // One speed for both: a turn counts as the way of a point at the lever's end.
+    // One speed for both: a rotation counts as the path of a point at the end of the lever.
     const Quat dq = X.q * X_.q.conjugate();
     const Vec3 turn = 2 * (dq.w() < 0 ? Vec3(-dq.vec()) : Vec3(dq.vec()));
     const double a = smoothing(speed_cutoff_hz, dt);
@@ -43,10 +44,10 @@ class OneEuro {
   void reset() noexcept { started_ = false; }
 
  private:
-  static constexpr double speed_cutoff_hz = 1;  // of the speed itself, as in the paper
-  static constexpr double lever_m = 0.1;        // handle to tip, in order of magnitude
+  static constexpr double speed_cutoff_hz = 1;  // cut-off of the speed estimate, as in the paper
+  static constexpr double lever_m = 0.1;        // handle to tip, order of magnitude
 
-  /// Share of the new value in an exponential mean of this cut-off.
+  /// Returns the weight of the new value in an exponential mean with this cut-off.
   static double smoothing(double cutoff_hz, double dt) noexcept {
     return 1 / (1 + 1 / (2 * std::numbers::pi * cutoff_hz * dt));
   }

@@ -1,4 +1,4 @@
-// A free-running clock's time stamps, put on the clock of the one who reads them.
+// Converts time stamps of a free-running clock to the clock of their reader.
 #pragma once
 
 #include <algorithm>
@@ -7,15 +7,15 @@
 
 namespace godobject {
 
-/// A CAN controller stamps frames by its own crystal. How far its clock is off ours follows from the frame
-/// that was least delayed on its way; drift lets that estimate rise again.
+/// Offset between a CAN controller's crystal and the host clock, estimated from the least delayed frame. The
+/// estimate may rise by the largest drift between both clocks.
 class StampClock {
  public:
   static constexpr Nanoseconds drift_divisor = 5000;        // 200 ppm between the two crystals
-  static constexpr Nanoseconds step_limit = 1'000'000'000;  // beyond: one of the clocks was set anew
+  static constexpr Nanoseconds step_limit = 1'000'000'000;  // larger offset change: one of the clocks was set
 
-  /// `stamp`: the frame's, by the foreign clock; `arrival`: when our side had it, by our clock. Returns the
-  /// time of `stamp` by our clock: at most `arrival`.
+  /// Returns the local time of `stamp`, at most `arrival`. stamp: time stamp of the frame by the foreign
+  /// clock, ns. arrival: local time of its arrival, ns.
   Nanoseconds to_local(Nanoseconds stamp, Nanoseconds arrival) noexcept {
     const Nanoseconds difference = arrival - stamp;
     const Nanoseconds elapsed = std::max<Nanoseconds>(stamp - last_stamp_, 0);

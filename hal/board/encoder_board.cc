@@ -9,7 +9,8 @@ namespace godobject {
 namespace {
 
 constexpr std::size_t fixed_size = 10;  // type, sequence, t_us, status, CRC
-/// The board's clock began anew when it disagrees with the host's about the time between two frames by more than this.
+/// The board's clock has restarted if the time between two frames differs from the host's by more than this,
+/// ns.
 constexpr Nanoseconds clock_jump = 1'000'000'000;
 
 }  // namespace

@@ -1,8 +1,6 @@
-// Encoder boards on a serial line: a microcontroller that sends its counts, unasked, at a rate of its own. One frame is
-// COBS( u8 type, u8 sequence, u32 t_us, n x i32 counts, u16 status, u16 CRC-16/CCITT-FALSE of all before it ), 00;
-// little-endian. docs/encoder-board has a sketch that sends it.
-//
-// The room: nodes.h shows such a board's encoders to a rig as nodes of a bus.
+// Encoder boards on a serial line: a microcontroller sends its counts, unrequested, at its own rate. One
+// frame is COBS( u8 type, u8 sequence, u32 t_us, n x i32 counts, u16 status, u16 CRC-16/CCITT-FALSE of all
+// preceding bytes ), 00; little-endian. docs/encoder-board has a sketch that sends it.
 #pragma once
 
 #include <array>
@@ -19,15 +17,15 @@ namespace godobject {
 inline constexpr std::uint8_t counts_frame_type = 0x01;
 inline constexpr std::size_t max_board_counts = 12;
 
-/// Bits of EncoderFrame::status. The others are the board's own.
+/// Bits of EncoderFrame::status. The other bits are board-specific.
 namespace board_status {
-inline constexpr std::uint16_t not_referenced = 0x0001;  // counts are from where it was switched on
-inline constexpr std::uint16_t overrun = 0x0002;         // the board missed an edge, or a sample of its own
+inline constexpr std::uint16_t not_referenced = 0x0001;  // counts are relative to the position at power-on
+inline constexpr std::uint16_t overrun = 0x0002;         // the board missed an edge or one of its own samples
 }  // namespace board_status
 
 struct EncoderFrame {
-  std::uint8_t sequence = 0;  // counts frames, wraps
-  std::uint32_t t_us = 0;     // the board's clock when it took the counts, wraps after 71 minutes
+  std::uint8_t sequence = 0;  // frame counter, wraps
+  std::uint32_t t_us = 0;     // board time at which the counts were sampled, us; wraps after 71 minutes
   std::array<std::int32_t, max_board_counts> counts{};
   std::size_t num_counts = 0;
   std::uint16_t status = 0;  // see board_status
@@ -36,11 +34,12 @@ struct EncoderFrame {
 inline constexpr std::size_t max_encoder_payload = 10 + 4 * max_board_counts;
 inline constexpr std::size_t max_encoder_wire = cobs_size(max_encoder_payload);
 
-/// The frame as it goes on the wire. Empty when num_counts is too large or `out` too small (max_encoder_wire is enough).
+/// Encodes a frame for the wire into `out` (max_encoder_wire bytes suffice). Returns an empty span if
+/// num_counts is too large or `out` too small.
 [[nodiscard]] std::span<const std::uint8_t> make_encoder_frame(const EncoderFrame& frame,
                                                                std::span<std::uint8_t> out) noexcept;
 
-/// A payload from CobsDecoder. `bad_value`: the CRC is wrong. `other_message`: another type.
+/// Parses a payload from CobsDecoder. Returns `bad_value` for a wrong CRC, `other_message` for another type.
 [[nodiscard]] ParseResult parse_encoder_frame(std::span<const std::uint8_t> payload,
                                               EncoderFrame& out) noexcept;
 
@@ -48,15 +47,15 @@ struct BoardCounters {
   std::uint64_t frames = 0;
   std::uint64_t lost = 0;  // missing in the sequence
   std::uint64_t bad_crc = 0;
-  std::uint64_t malformed = 0;  // cut off, too large, or of no kind we know
-  std::uint64_t reboots = 0;    // times the board's clock began anew
+  std::uint64_t malformed = 0;  // cut off, too large, or of an unknown type
+  std::uint64_t reboots = 0;    // restarts of the board's clock
 };
 
-/// The host's end of a board. The newest frame, and when its counts were taken in host time: the board's clock mapped
-/// by ClockMap, so that neither the wire's nor the adapter's jitter is in t_ns().
+/// Host side of a board: the newest frame and the host time of its sample. ClockMap maps the board's clock,
+/// therefore t_ns() is free of the jitter of wire and adapter.
 class EncoderBoard {
  public:
-  /// Any bytes. True when there is a new frame.
+  /// Decodes any bytes. Returns true if a new frame is complete.
   bool receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept;
 
   const EncoderFrame& frame() const noexcept { return frame_; }
@@ -72,7 +71,7 @@ class EncoderBoard {
   UnwrappedCount time_us_;
   ClockMap clock_;
   Nanoseconds t_ns_ = 0;
-  Nanoseconds t_arrival_ = 0;  // of the frame before
+  Nanoseconds t_arrival_ = 0;  // arrival of the previous frame
   BoardCounters counters_;
 };
 

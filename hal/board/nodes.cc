@@ -12,14 +12,14 @@ std::uint8_t node_of(std::size_t channel) noexcept { return static_cast<std::uin
 
 }  // namespace
 
-// A rig takes what begins before its SYNC has ended for an answer to the one before (hal/joint/sync_attribution.h): the
-// answer's time is that of the longest there is.
+// A rig attributes an answer that begins before its SYNC ends to the previous SYNC
+// (hal/joint/sync_attribution.h). Answers are therefore delayed by the longest duration of a position frame.
 BoardNodes::BoardNodes(double bit_rate) noexcept
     : sync_ns_(duration_ns(exact_bits(canopen::make_sync()), {.nominal = bit_rate, .data = bit_rate})),
       answer_ns_(
           duration_ns(worst_bits(cia406::make_position(1, 0)), {.nominal = bit_rate, .data = bit_rate})) {}
 
-// Byte by byte: of the frames that come at once the last two are needed.
+// Byte by byte, because the last two frames are needed even if several arrive at once.
 void BoardNodes::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
   for (const std::uint8_t& byte : bytes) {
     const EncoderFrame before = board_.frame();
@@ -73,7 +73,7 @@ void BoardNodes::obey(const canopen::Nmt& nmt, Nanoseconds now) noexcept {
         [[fallthrough]];
       case canopen::NmtCommand::enter_pre_operational: states_[i] = canopen::NmtState::pre_operational; break;
     }
-    t_heartbeat_ = 0;  // the new state is told at once
+    t_heartbeat_ = 0;  // sends the new state at once
   }
 }
 

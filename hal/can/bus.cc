@@ -19,20 +19,23 @@ struct ErrorText {
 constexpr std::array<ErrorText, 13> error_texts{{
     {"none", ""},
     {"acknowledge",
-     "nobody acknowledged a frame: is another node powered, on this cable and at this bit rate?"},
+     "no node acknowledged a frame: check that another node is powered, on this cable and at this bit rate"},
     {"bit",
-     "the wire did not follow a bit that was sent: check termination (2 x 120 ohm) and for shorts; two nodes "
-     "with one identifier do this too"},
-    {"stuff", "six equal bits in a row: check bit rate, termination and cable length"},
-    {"form", "a fixed bit of a frame was wrong: check bit rate; a classic controller on an FD bus does this"},
+     "a bit was read back inverted: check termination (2 x 120 ohm), short circuits, and for two nodes with "
+     "one identifier"},
+    {"stuff", "six consecutive equal bits: check bit rate, termination and cable length"},
+    {"form", "a fixed bit of a frame was wrong: check bit rate, and for a classic controller on an FD bus"},
     {"crc", "a frame arrived damaged: check termination, shielding and cable length"},
     {"lost-arbitration", "a frame of higher priority went first: normal on a shared bus"},
-    {"receive-overflow", "the controller's receive buffer overran: the machine served it too late"},
+    {"receive-overflow",
+     "the controller's receive buffer overran: lower the load of the machine, which reads it too late"},
     {"transmit-overflow", "the controller's transmit buffer overran: lower the bus load"},
-    {"transmit-timeout", "the driver found the controller stuck: ip link set down and up, or re-plug it"},
+    {"transmit-timeout",
+     "the driver reports a stuck controller: set the interface down and up (ip link), or re-plug the "
+     "adapter"},
     {"transceiver", "the transceiver reports a short or a broken wire: check the cable"},
-    {"restarted", "back from bus-off; what the others sent meanwhile is lost"},
-    {"other", "an error that the driver does not specify"},
+    {"restarted", "recovered from bus-off; frames received meanwhile are lost"},
+    {"other", "an error not specified by the driver"},
 }};
 
 const ErrorText& entry(BusError error) noexcept {

@@ -12,8 +12,8 @@ constexpr std::size_t max_interface_length = 15;  // Linux: IFNAMSIZ - 1
 constexpr std::uint32_t error_frame_flag = 0x20000000;
 constexpr std::uint32_t fd_bit_rate_switch_flag = 1;
 constexpr std::uint32_t fd_error_state_flag = 2;
-constexpr std::uint32_t fd_format_flag =
-    4;  // CANFD_FDF: Linux sets it since 5.14, candump writes what it gets
+// CANFD_FDF: set by Linux since 5.14; candump writes the flags it receives.
+constexpr std::uint32_t fd_format_flag = 4;
 constexpr std::int64_t max_seconds = std::numeric_limits<std::int64_t>::max() / 1'000'000'000 - 1;
 
 bool is_interface(std::string_view name) {
@@ -21,7 +21,7 @@ bool is_interface(std::string_view name) {
          name.find_first_of(" \t\r\n") == std::string::npos;
 }
 
-/// The whole of `text` as an unsigned number.
+/// Parses the whole of `text` as an unsigned number.
 template <class T>
 bool to_number(std::string_view text, int base, T& value) {
   const char* const end = text.data() + text.size();
@@ -57,7 +57,7 @@ class LineWriter {
   bool fits_ = true;
 };
 
-/// Cuts `text` at the first `separator`; what is before it is returned, what is after it stays.
+/// Cuts `text` at the first `separator`. Returns the text before it and leaves the text after it.
 std::string_view cut(std::string_view& text, char separator) {
   const std::size_t end = std::min(text.find(separator), text.size());
   const std::string_view head = text.substr(0, end);
@@ -65,7 +65,7 @@ std::string_view cut(std::string_view& text, char separator) {
   return head;
 }
 
-/// "(1631416514.717133)", or with nine digits
+/// Parses "(1631416514.717133)", or with nine digits of fraction.
 bool parse_time(std::string_view text, Nanoseconds& t_ns) {
   if (text.size() < 2 || text.front() != '(' || text.back() != ')') return false;
   std::string_view fraction_text = text.substr(1, text.size() - 2);
@@ -95,8 +95,8 @@ bool parse_bytes(std::string_view text, CanFrame& frame) {
   return true;
 }
 
-/// Takes "_9" to "_F" off the end: a DLC above 8 of a classic frame, which has 8 bytes then. False: another
-/// suffix.
+/// Removes a suffix "_9" to "_F" from `text`: a DLC above 8 of a classic frame, which has 8 bytes then.
+/// Returns false for any other suffix.
 bool take_long_dlc(std::string_view& text, bool& has_long_dlc) {
   const std::size_t at = text.find('_');
   std::uint32_t dlc = 0;
@@ -107,7 +107,7 @@ bool take_long_dlc(std::string_view& text, bool& has_long_dlc) {
   return is_long;
 }
 
-/// What follows the first '#'.
+/// Parses the text after the first '#'.
 bool parse_body(std::string_view text, CanFrame& frame) {
   bool has_long_dlc = false;
   if (!take_long_dlc(text, has_long_dlc)) return false;

@@ -9,14 +9,14 @@ std::optional<BusState> state_of(std::uint32_t error_class, std::uint8_t status)
   if ((error_class & bus_off) != 0) return BusState::bus_off;
   if ((error_class & restarted) != 0) return BusState::error_active;
   if ((error_class & controller) == 0) return std::nullopt;
-  // The worse of the two sides' states: the kernel sets the bits of both when they are equal.
+  // The worse state of both directions: the kernel sets the bits of both if they are equal.
   if ((status & passive) != 0) return BusState::error_passive;
   if ((status & warning) != 0) return BusState::error_warning;
   if ((status & active) != 0) return BusState::error_active;
   return std::nullopt;
 }
 
-/// A location is not given by every controller, and some give the location only.
+/// Returns the protocol violation. Some controllers report no location, others the location only.
 BusError protocol_error(std::uint8_t type, std::uint8_t location) noexcept {
   if (location == location_crc_sequence || location == location_crc_delimiter) return BusError::crc;
   if (location == location_acknowledge) return BusError::acknowledge;
@@ -26,7 +26,7 @@ BusError protocol_error(std::uint8_t type, std::uint8_t location) noexcept {
   return BusError::other;
 }
 
-/// slcan flags a protocol error with each report, also where it has none to name.
+/// Returns the error to report. slcan sets the protocol flag in each report, also without a named violation.
 BusError error_of(std::uint32_t error_class, std::uint8_t status, std::uint8_t type,
                   std::uint8_t location) noexcept {
   const auto has = [error_class](std::uint32_t flag) { return (error_class & flag) != 0; };
@@ -57,7 +57,7 @@ void apply(const CanErrorReport& report, BusState& state, BusCounters& counters)
   ++counters.error_frames;
   if (report.error != BusError::none) counters.last_error = report.error;
   if (report.error == BusError::restarted) ++counters.restarts;
-  if (report.error == BusError::receive_overflow) ++counters.receive_overflow;  // one at least
+  if (report.error == BusError::receive_overflow) ++counters.receive_overflow;  // at least one
   if (report.state == BusState::bus_off && state != BusState::bus_off) ++counters.bus_off_events;
   if (report.counters) {
     counters.transmit_error_counter = report.counters->transmit;

@@ -1,4 +1,4 @@
-// Which frames a receiver wants of a bus.
+// Acceptance filters of a receiver.
 #pragma once
 
 #include <algorithm>
@@ -8,19 +8,19 @@
 
 namespace godobject {
 
-/// Identifiers that a receiver wants: id passes where (id & mask) == (wanted & mask).
+/// Acceptance filter: a frame passes if (frame.id & mask) == (id & mask).
 struct CanFilter {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
   bool extended = false;
 };
 
-/// Whether a receiver with these filters gets the frame.
+/// True if a receiver with these filters receives the frame. Without filters every frame passes.
 constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame) noexcept {
-  const auto wants = [&](const CanFilter& filter) {
+  const auto accepts = [&](const CanFilter& filter) {
     return filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask);
   };
-  return filters.empty() || std::ranges::any_of(filters, wants);
+  return filters.empty() || std::ranges::any_of(filters, accepts);
 }
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// One CAN frame, classic or FD, as every bus backend carries it.
+// CAN frame, classic or FD, common to all bus backends.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-using Nanoseconds = std::int64_t;  // since an arbitrary origin of the clock in use; never wall time
+using Nanoseconds = std::int64_t;  // since an arbitrary origin of the clock in use; never wall-clock time
 inline Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
 
 struct CanFrame {
@@ -23,7 +23,7 @@ struct CanFrame {
   constexpr std::span<const std::uint8_t> bytes() const noexcept { return {data.data(), size}; }
 };
 
-/// Whether a frame can be put on a wire: identifier in range, a size its format has, flags that go together.
+/// True if a frame can be sent: identifier in range, size allowed by its format, flags compatible.
 constexpr bool is_valid(const CanFrame& frame) noexcept {
   if (frame.id > (frame.extended ? 0x1FFF'FFFFu : 0x7FFu)) return false;
   if (!frame.fd) return frame.size <= 8 && !frame.bit_rate_switch;
@@ -42,10 +42,10 @@ constexpr bool is_valid(const CanFrame& frame) noexcept {
 
 struct ReceivedFrame {
   CanFrame frame;
-  Nanoseconds t_ns = 0;  // end of the frame on the wire, in the bus's clock
+  Nanoseconds t_ns = 0;  // end of the frame on the wire, in the clock of the bus
 };
 
-/// Called for each frame completed on a wire, once, whoever sent it.
+/// Callback for each frame completed on a wire, called once per frame, for every sender.
 struct FrameObserver {
   void (*on_frame)(void* context, const ReceivedFrame& frame) = nullptr;
   void* context = nullptr;

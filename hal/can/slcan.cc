@@ -23,7 +23,7 @@ int digit(char c, int base) noexcept {
   return value < base ? value : -1;
 }
 
-/// Takes the first `count` digits off `text`.
+/// Parses and removes the first `count` digits of `text`.
 bool take(std::string_view& text, std::size_t count, int base, std::uint32_t& value) noexcept {
   if (text.size() < count) return false;
   std::uint32_t number = 0;
@@ -45,7 +45,7 @@ bool is_fd(char command) noexcept {
   return command == 'd' || command == 'D' || command == 'b' || command == 'B';
 }
 
-/// `text` begins with t, T, r or R; what follows the data stays in it.
+/// Parses a frame. text: begins with t, T, r or R; the text after the data remains in it.
 ParseResult take_frame(std::string_view& text, CanFrame& frame) noexcept {
   const char command = text.front();  // cppcheck-suppress containerOutOfBounds
   frame.extended = command == 'T' || command == 'R';
@@ -80,7 +80,7 @@ ParseResult parse_received_frame(std::string_view text, Reply& reply) noexcept {
   return ParseResult::ok;
 }
 
-/// True if `text`, from d, D, b or B on, is a whole CAN FD frame, with or without a time stamp.
+/// True if `text`, beginning with d, D, b or B, is a whole CAN FD frame, with or without time stamp.
 bool is_fd_frame(std::string_view text) noexcept {
   constexpr std::array<std::size_t, 16> sizes{0, 1,  2,  3,  4,  5,  6,  7,
                                               8, 12, 16, 20, 24, 32, 48, 64};  // by DLC
@@ -96,7 +96,7 @@ bool is_fd_frame(std::string_view text) noexcept {
   return true;
 }
 
-/// True if a line that is too long for a classic frame begins like a CAN FD frame.
+/// True if a line too long for a classic frame begins like a CAN FD frame.
 bool begins_fd_frame(std::string_view text) noexcept {
   std::uint32_t digit = 0;
   if (!is_fd(text.front())) return false;
@@ -106,7 +106,7 @@ bool begins_fd_frame(std::string_view text) noexcept {
   return true;
 }
 
-/// "w096100": state and the receive and transmit error counters, in decimal.
+/// Parses "w096100": state, then the receive and transmit error counters, decimal.
 ParseResult parse_state(std::string_view text, Reply& reply) noexcept {
   constexpr std::size_t size = 1 + 3 + 3;
   if (text.size() != size) return check_size(text.size(), size);
@@ -120,10 +120,10 @@ ParseResult parse_state(std::string_view text, Reply& reply) noexcept {
   text.remove_prefix(1);
   std::uint32_t receive = 0, transmit = 0;
   if (!take(text, 3, 10, receive) || !take(text, 3, 10, transmit)) return ParseResult::bad_value;
-  // The transmit error counter passes 255 at bus-off; the report holds what a controller's register would.
-  constexpr std::uint32_t most = 255;
-  reply.report.counters = {.transmit = static_cast<std::uint8_t>(std::min(transmit, most)),
-                           .receive = static_cast<std::uint8_t>(std::min(receive, most))};
+  // The transmit error counter exceeds 255 at bus-off; the report clamps it like a controller's register.
+  constexpr std::uint32_t max_counter = 255;
+  reply.report.counters = {.transmit = static_cast<std::uint8_t>(std::min(transmit, max_counter)),
+                           .receive = static_cast<std::uint8_t>(std::min(receive, max_counter))};
   reply.kind = ReplyKind::error_report;
   return ParseResult::ok;
 }
@@ -142,7 +142,7 @@ BusError error_of(char letter) noexcept {
   }
 }
 
-/// "2bs": how many kinds of error, and their letters. The report names the first.
+/// Parses "2bs": number of errors and their letters. Reports the first.
 ParseResult parse_errors(std::string_view text, Reply& reply) noexcept {
   std::uint32_t count = 0;
   if (text.empty()) return ParseResult::too_short;

@@ -5,8 +5,8 @@
 namespace godobject {
 namespace {
 
-// Classic format: bits open to stuffing besides the data (start of frame to the end of the CRC), and
-// the fixed tail: CRC delimiter, acknowledge slot and delimiter, end of frame, intermission.
+// Classic format: bits subject to stuffing besides the data (start of frame to end of CRC), and the fixed
+// tail: CRC delimiter, acknowledge slot and delimiter, end of frame, intermission.
 constexpr int classic_stuffed_overhead(bool extended) { return extended ? 54 : 34; }
 constexpr int crc_delimiter_bits = 1;
 constexpr int acknowledge_slot_bits = 1;
@@ -15,7 +15,7 @@ constexpr int classic_tail_bits = crc_delimiter_bits + acknowledge_slot_bits + a
 
 int classic_data_bytes(const CanFrame& frame) { return frame.remote ? 0 : frame.size; }
 
-/// Counts the bits of the stuffed part of a classic frame while it is sent, most significant bit first.
+/// Counts the bits of the stuffed part of a classic frame, most significant bit first.
 class StuffedBits {
  public:
   void send(std::uint32_t value, int width) {
@@ -34,14 +34,14 @@ class StuffedBits {
   int count() const { return count_; }
 
  private:
-  // x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1 (ISO 11898-1), over the bits before stuffing.
+  // Polynomial x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1 (ISO 11898-1), over the bits before stuffing.
   void update_crc(bool bit) {
     const bool feedback = bit != (((crc_ >> 14) & 1u) != 0);
     crc_ = (crc_ << 1) & 0x7FFFu;
     if (feedback) crc_ ^= 0x4599u;
   }
 
-  // After five equal bits a complementary one follows, which begins the next run.
+  // Adds a bit. After five equal bits a complementary stuff bit follows and begins the next run.
   void put(bool bit) {
     run_ = (count_ > 0 && bit == last_) ? run_ + 1 : 1;
     last_ = bit;
@@ -79,8 +79,8 @@ int exact_classic_bits(const CanFrame& frame) {
   return bits.count() + classic_tail_bits;
 }
 
-// FD: bits at the nominal rate (head up to BRS, and the tail from the CRC delimiter) and at the data rate
-// (ESI, DLC, data, stuff count, CRC 17 or 21 with its fixed stuff bits).
+// FD: bits at the nominal rate (head up to BRS, tail from the CRC delimiter) and at the data rate (ESI, DLC,
+// data, stuff count, CRC 17 or 21 with fixed stuff bits).
 FrameBits fd_bits(const CanFrame& frame, bool worst) {
   const int head = frame.extended ? 36 : 17;
   const int n = frame.size;

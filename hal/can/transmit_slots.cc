@@ -46,7 +46,8 @@ SendResult PacedCanBus::send(const CanFrame& frame) noexcept {
     return result == SendResult::full && store(frame) ? SendResult::queued : result;
   }
   if (!is_valid(frame)) return SendResult::invalid;
-  // Stored before the bus is asked again, so that an older command with this identifier cannot leave before it.
+  // Stored before waiting frames are offered, otherwise an older command with this identifier may be sent
+  // first.
   const bool stored = store(frame);
   offer_waiting();
   if (stored) return SendResult::queued;
@@ -70,7 +71,7 @@ bool PacedCanBus::store(const CanFrame& frame) noexcept {
   return true;
 }
 
-/// Stops at the first that the bus has no room for.
+/// Offers waiting frames to the bus, up to the first that it does not accept.
 void PacedCanBus::offer_waiting() noexcept {
   if (waiting() == 0) return;
   if (is_cut_off(bus_.state())) return abandon();
@@ -97,7 +98,7 @@ PacedCanBus::Offer PacedCanBus::offer(const Waiting& waiting) noexcept {
   return Offer::gone;
 }
 
-/// By the time the bus is back all that waits is stale.
+/// Drops all waiting frames: they are stale by the time the bus is back.
 void PacedCanBus::abandon() noexcept {
   transmit_.abandoned += waiting();
   queue_.clear();

@@ -1,4 +1,5 @@
-// What is to be sent when a bus takes no more: the newest command of each cycle, and a short queue for the rest.
+// Buffers frames while a bus accepts no more: the newest command of each cycle, and a short queue for the
+// rest.
 #pragma once
 
 #include <array>
@@ -9,43 +10,44 @@
 namespace godobject {
 
 struct TransmitCounters {
-  std::uint64_t replaced = 0;   // a newer frame with its identifier came while it waited
-  std::uint64_t expired = 0;    // waited longer than it was good for
-  std::uint64_t abandoned = 0;  // waited while the bus went off, down or was closed
-  std::uint64_t retried = 0;    // waited, and left
+  std::uint64_t replaced = 0;   // replaced by a newer frame with the same identifier while waiting
+  std::uint64_t expired = 0;    // waited longer than its lifetime
+  std::uint64_t abandoned = 0;  // waiting when the bus went off, down or was closed
+  std::uint64_t retried = 0;    // sent after waiting
 
   std::uint64_t dropped() const noexcept { return replaced + expired + abandoned; }
 };
 
-/// A bus in front of another. Frames go straight through as long as it takes them. When it is full:
-/// - a frame with the identifier of a slot (cyclic ones: SYNC, drive commands) waits in its slot, and a newer one takes
-///   its place: a command of the last cycle is never sent after that of this one;
-/// - any other frame (NMT, SDO) waits in a queue, in order, and try_send answers full when that is full as well.
-/// Whatever waits is offered to the bus again at each later call, the queue first, then the slots in the order they
-/// were added, and is dropped when its time is over or the bus is cut off.
+/// A bus in front of another. Frames pass straight through as long as the bus accepts them. If it is full:
+/// - a frame with the identifier of a slot (cyclic frames: SYNC, drive commands) waits in its slot, and a
+///   newer one replaces it. A command of the last cycle is thus never sent after that of this cycle;
+/// - any other frame (NMT, SDO) waits in a queue, in order; try_send returns full if that is full as well.
+/// Waiting frames are offered to the bus again at each later call: the queue first, then the slots in the
+/// order of add_slot(). They are dropped when their lifetime is over or the bus is cut off.
 class PacedCanBus final : public CanBus {
  public:
   static constexpr std::size_t max_slots = 32;
   static constexpr std::size_t queue_capacity = 16;
 
-  /// `bus` outlives this. queue_lifetime: how long frames without a slot are worth sending.
+  /// bus: underlying bus, outlives this. queue_lifetime: lifetime of frames without a slot, ns.
   explicit PacedCanBus(CanBus& bus, Nanoseconds queue_lifetime = 100'000'000) noexcept
       : bus_(bus), queue_lifetime_(queue_lifetime) {}
 
-  /// At set-up. A standard identifier, and how long after its try_send such a frame is worth sending: a cycle at most
-  /// for a command. False: no slot left, or it has one.
+  /// Adds a slot, at set-up. id: standard identifier. lifetime: time after try_send until such a frame is
+  /// dropped, ns, at most one cycle for a command. Returns false if no slot is free or the identifier has
+  /// one.
   [[nodiscard]] bool add_slot(std::uint32_t id, Nanoseconds lifetime) noexcept;
 
-  /// The time, for the lifetimes; once per cycle. Offers what waits.
+  /// Sets the time from which lifetimes are counted, once per cycle, and offers waiting frames.
   void advance_to(Nanoseconds now) noexcept;
 
   [[nodiscard]] bool open() noexcept override { return bus_.open(); }
   void close() noexcept override;
-  /// queued: it has left for the bus, or waits.
+  /// Sends a frame. Returns queued if the bus accepted it or it waits here.
   [[nodiscard]] SendResult try_send(const CanFrame& frame) noexcept override;
   [[nodiscard]] bool try_receive(ReceivedFrame& out) noexcept override;
   BusState state() const noexcept override { return bus_.state(); }
-  /// The bus's; send_refused and send_dropped as seen from here.
+  /// Counters of the bus, with send_refused and send_dropped as counted here.
   BusCounters counters() const noexcept override;
 
   std::size_t waiting() const noexcept { return waiting_in_slots_ + queue_.size(); }

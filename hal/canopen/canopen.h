@@ -1,7 +1,4 @@
 // CANopen (CiA 301): identifiers, network management, heartbeat, SYNC and emergency messages.
-//
-// The room: message.h names any frame; object.h, sdo/ and pdo_map.h are the object dictionary over the wire, lss.h
-// node ids, cia401.h and cia406.h device profiles; node_profile.h, commissioning*.h set a node up and read it back.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +12,7 @@ namespace godobject::canopen {
 
 inline constexpr std::uint8_t max_node_id = 127;  // nodes are 1..127; 0 addresses all of them
 
-// COB-IDs of the predefined connection set. PDO numbers are 1..4.
+// COB-IDs of the predefined connection set. PDO numbers: 1..4.
 inline constexpr std::uint32_t nmt_cob_id = 0x000;
 inline constexpr std::uint32_t sync_cob_id = 0x080;
 constexpr std::uint32_t emcy_cob_id(std::uint8_t node) noexcept { return 0x080u + node; }
@@ -37,7 +34,7 @@ enum class NmtCommand : std::uint8_t {
 
 enum class NmtState : std::uint8_t { boot_up = 0, stopped = 4, operational = 5, pre_operational = 127 };
 
-// Emergency error codes the project sends or treats by name.
+// Emergency error codes sent or handled by name.
 inline constexpr std::uint16_t emcy_no_error = 0x0000;
 inline constexpr std::uint16_t emcy_generic_error = 0x1000;
 inline constexpr std::uint16_t emcy_pdo_too_short = 0x8210;
@@ -61,54 +58,54 @@ struct Emergency {
   std::array<std::uint8_t, 5> vendor{};
 };
 
-/// True for a classic data frame with an 11-bit identifier: the only kind CANopen (CiA 301) uses.
+/// True for a classic data frame with 11-bit identifier, the only kind that CANopen (CiA 301) uses.
 constexpr bool is_canopen(const CanFrame& frame) noexcept {
   return !frame.extended && !frame.remote && !frame.fd;
 }
 
-/// Node of a frame in the predefined connection set, whose node id is the low seven bits of the COB-ID; 0: of
-/// none.
+/// Returns the node of a frame in the predefined connection set: the low seven bits of the COB-ID. Returns 0
+/// if the frame belongs to no node.
 constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   return is_canopen(frame) ? static_cast<std::uint8_t>(frame.id & max_node_id) : std::uint8_t{0};
 }
 
-/// All frames from and to a node in it: the low seven bits, whatever the function code.
+/// Filters all frames from and to a node: the low seven bits, any function code.
 inline std::vector<CanFilter> filters(std::uint8_t node) { return {{.id = node, .mask = max_node_id}}; }
 
-/// Node that an RPDO1 goes to; 0: it is none.
+/// Returns the node that an RPDO1 addresses; 0 if the frame is no RPDO1.
 constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   return is_canopen(frame) && (frame.id & ~std::uint32_t{max_node_id}) == rpdo_cob_id(1, 0)
              ? static_cast<std::uint8_t>(frame.id & max_node_id)
              : std::uint8_t{0};
 }
 
-/// COB-ID of what it commands by: RPDO1.
+/// COB-ID of the command message: RPDO1.
 constexpr std::uint32_t command_id(std::uint8_t node) noexcept { return rpdo_cob_id(1, node); }
 
-/// What one node of a network sends, its master: NMT, SYNC and the heartbeat of that node id.
+/// True for frames that only the network master sends: NMT, SYNC and the heartbeat of its node id.
 constexpr bool is_from_master(const CanFrame& frame, std::uint8_t master) noexcept {
   return is_canopen(frame) &&
          (frame.id == nmt_cob_id || frame.id == sync_cob_id || frame.id == heartbeat_cob_id(master));
 }
 
-/// Whether a frame is the message `cob_id` of exactly `size` bytes.
+/// Checks that a frame has COB-ID `cob_id` and exactly `size` bytes.
 [[nodiscard]] constexpr ParseResult check_message(const CanFrame& frame, std::uint32_t cob_id,
                                                   std::size_t size) noexcept {
   if (!is_canopen(frame) || frame.id != cob_id) return ParseResult::other_message;
   return check_size(frame.size, size);
 }
 
-/// SYNC without counter (1019h = 0).
+/// Makes a SYNC without counter (1019h = 0).
 constexpr CanFrame make_sync() noexcept { return {.id = sync_cob_id}; }
 
-/// SYNC with the counter byte, 1..240.
+/// Makes a SYNC with a counter byte, 1..240.
 constexpr CanFrame make_sync(std::uint8_t counter) noexcept {
   CanFrame frame{.id = sync_cob_id, .size = 1};
   frame.data[0] = counter;
   return frame;
 }
 
-/// Accepts SYNC with and without counter; `counter` is 0 without.
+/// Parses SYNC with or without counter; counter: 0 without.
 [[nodiscard]] constexpr ParseResult parse_sync(const CanFrame& frame, std::uint8_t& counter) noexcept {
   if (!is_canopen(frame) || frame.id != sync_cob_id) return ParseResult::other_message;
   if (frame.size > 1) return ParseResult::too_long;
@@ -116,7 +113,7 @@ constexpr CanFrame make_sync(std::uint8_t counter) noexcept {
   return ParseResult::ok;
 }
 
-/// Node 0 addresses all nodes.
+/// Makes an NMT command. node: node id; 0 addresses all nodes.
 constexpr CanFrame make_nmt(NmtCommand command, std::uint8_t node) noexcept {
   CanFrame frame{.id = nmt_cob_id, .size = 2};
   frame.data[0] = static_cast<std::uint8_t>(command);
@@ -141,14 +138,15 @@ constexpr CanFrame make_nmt(NmtCommand command, std::uint8_t node) noexcept {
   return ParseResult::bad_value;
 }
 
-/// Also the boot-up message: state boot_up.
+/// Makes a heartbeat; with state boot_up, the boot-up message.
 constexpr CanFrame make_heartbeat(std::uint8_t node, NmtState state) noexcept {
   CanFrame frame{.id = heartbeat_cob_id(node), .size = 1};
   frame.data[0] = static_cast<std::uint8_t>(state);
   return frame;
 }
 
-/// From any node 1..127. A state byte with bit 7 set (the toggle of node guarding) is a bad_value.
+/// Parses a heartbeat of any node 1..127. Returns bad_value for a state byte with bit 7 set (toggle of node
+/// guarding).
 [[nodiscard]] constexpr ParseResult parse_heartbeat(const CanFrame& frame, Heartbeat& out) noexcept {
   if (!is_canopen(frame) || frame.id <= heartbeat_cob_id(0) || frame.id > heartbeat_cob_id(max_node_id)) {
     return ParseResult::other_message;
@@ -167,7 +165,7 @@ constexpr CanFrame make_heartbeat(std::uint8_t node, NmtState state) noexcept {
   return ParseResult::bad_value;
 }
 
-/// Bytes: code (16 bits), register, five of the vendor's.
+/// Makes an emergency message: code (16 bits), register, five vendor-specific bytes.
 constexpr CanFrame make_emergency(const Emergency& emergency) noexcept {
   CanFrame frame{.id = emcy_cob_id(emergency.node), .size = 8};
   ByteWriter(frame.data).put(emergency.error_code).put(emergency.error_register);
@@ -175,8 +173,8 @@ constexpr CanFrame make_emergency(const Emergency& emergency) noexcept {
   return frame;
 }
 
-/// From any node 1..127. Some devices leave out bytes at the end, which are 0 then; one without a whole code
-/// has that of a generic error.
+/// Parses an emergency message of any node 1..127. Missing bytes at the end count as 0. A message without a
+/// whole code yields that of a generic error.
 [[nodiscard]] constexpr ParseResult parse_emergency(const CanFrame& frame, Emergency& out) noexcept {
   if (!is_canopen(frame) || frame.id <= emcy_cob_id(0) || frame.id > emcy_cob_id(max_node_id)) {
     return ParseResult::other_message;

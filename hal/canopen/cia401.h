@@ -7,14 +7,14 @@ namespace godobject::cia401 {
 
 inline constexpr std::uint8_t inputs_size = 1;
 
-/// TPDO1 {6000h:01:8}: eight digital inputs. Sent when one of them changes, and by the event timer.
+/// TPDO1 {6000h:01:8}: eight digital inputs. Sent when an input changes, and by the event timer.
 constexpr CanFrame make_inputs(std::uint8_t node, std::uint8_t inputs) noexcept {
   CanFrame frame{.id = canopen::tpdo_cob_id(1, node), .size = inputs_size};
   frame.data[0] = inputs;
   return frame;
 }
 
-/// Nodes with more inputs map more bytes: the first one counts, up to 8 are allowed.
+/// Parses the first byte of inputs; up to 7 more may follow from nodes with more inputs.
 [[nodiscard]] constexpr ParseResult parse_inputs(const CanFrame& frame, std::uint8_t node,
                                                  std::uint8_t& inputs) noexcept {
   if (!canopen::is_canopen(frame) || frame.id != canopen::tpdo_cob_id(1, node))

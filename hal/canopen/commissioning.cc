@@ -8,7 +8,7 @@ namespace godobject {
 
 namespace {
 
-constexpr int max_frames_per_poll = 512;  // per bus: bounds the work on a bus that babbles
+constexpr int max_frames_per_poll = 512;  // per bus: bounds the work on a flooded bus
 
 enum class Phase : std::uint8_t { resetting, booting, setting_up, done, failed };
 
@@ -16,7 +16,7 @@ enum class NodeFailure : std::uint8_t { none, reset_not_sent, no_boot_up, reboot
 
 }  // namespace
 
-/// One node on its way.
+/// Commissioning of one node.
 class NodeCommissioning {
  public:
   NodeCommissioning(std::string name, std::size_t bus, NodeProfile profile, const NodeSetup& setup)
@@ -56,32 +56,32 @@ class NodeCommissioning {
         if (late) fail(NodeFailure::no_boot_up);
         break;
       case Phase::setting_up:
-        // Some nodes start by themselves (1F80h), and then refuse a re-map.
+        // Some nodes start automatically (1F80h) and then refuse remapping.
         if (!halted_) halted_ = bus.try_send(halt()) == SendResult::queued;
         if (!halted_ && !late) break;
         sequence_.poll(now, bus);
         if (sequence_.failed()) fail(NodeFailure::sequence);
         else if (sequence_.done()) phase_ = Phase::done;
         break;
-      case Phase::failed: sequence_.poll(now, bus); break;  // an abort may have yet to be sent
+      case Phase::failed: sequence_.poll(now, bus); break;  // an abort may still have to be sent
       case Phase::done: break;
     }
   }
 
-  /// What it does or how it failed, after the device's name.
+  /// Returns the device's name and its phase or failure.
   std::string text() const {
     const std::string seconds = std::to_string(std::llround(profile_.boot_timeout_s * 1e3)) + " ms";
     switch (failure_) {
       case NodeFailure::reset_not_sent:
-        return name_ + ": the bus did not take the reset within " + seconds +
-               ": is the interface up, and another node on the bus that acknowledges?";
+        return name_ + ": the bus did not accept the reset within " + seconds +
+               ": check that the interface is up and that another node on the bus acknowledges";
       case NodeFailure::no_boot_up:
         return name_ + ": no boot-up message within " + seconds +
-               " of the reset: is it powered, has it this node-ID, has the bus its bit rate and both "
-               "terminations?";
+               " of the reset: check its power supply and node-ID, and the bit rate and both terminations of "
+               "the bus";
       case NodeFailure::rebooted:
-        return name_ + ": booted again and again while it was set up, " + std::to_string(1 + reboots_) +
-               " times in more than " + seconds + ": its supply, or another master?";
+        return name_ + ": booted " + std::to_string(1 + reboots_) + " times in more than " + seconds +
+               " while it was set up: check its supply voltage, and for another master";
       case NodeFailure::sequence: return name_ + ": " + sequence_.error_text() + place();
       case NodeFailure::none: break;
     }
@@ -91,7 +91,7 @@ class NodeCommissioning {
   }
 
  private:
-  /// A node that booted again has lost what was written.
+  /// Restarts the set-up, because a node that boots again loses the written values.
   void set_up_from_the_start(bool late) noexcept {
     boot_up_ = false;
     const bool again = phase_ != Phase::booting;
@@ -126,9 +126,9 @@ class NodeCommissioning {
   Phase phase_ = Phase::resetting;
   NodeFailure failure_ = NodeFailure::none;
   bool started_ = false;
-  bool boot_up_ = false;  // has come since the last poll
+  bool boot_up_ = false;  // received since the last poll
   int reboots_ = 0;
-  bool halted_ = false;  // has been told to be pre-operational
+  bool halted_ = false;  // the NMT command to become pre-operational was sent
   Nanoseconds deadline_ns_ = 0;
 };
 

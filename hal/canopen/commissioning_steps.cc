@@ -11,7 +11,7 @@ using canopen::ObjectType;
 
 namespace {
 
-constexpr double torque_tolerance = 0.02;  // devices round, and multiply two rounded numbers
+constexpr double torque_tolerance = 0.02;  // devices round, and the product is of two rounded numbers
 
 SdoStep write(canopen::ObjectAddress address, ObjectType type, std::int64_t value, unsigned line,
               std::string hint = {}) {
@@ -29,7 +29,7 @@ void append(const std::vector<ProfileObject>& objects, std::vector<SdoStep>& ste
 
 void append_identity(const NodeProfile& profile, std::vector<SdoStep>& steps) {
   for (const ProfileObject& o : profile.identity) {
-    // The low word of the device type is the device profile's number; the high word tells what kind it is.
+    // The low word of the device type is the number of the device profile; the high word its variant.
     const bool device_type = o.address.index == 0x1000;
     steps.push_back({.action = SdoAction::check,
                      .address = o.address,
@@ -38,8 +38,8 @@ void append_identity(const NodeProfile& profile, std::vector<SdoStep>& steps) {
                      .high = o.value,
                      .ignored_bits = device_type ? 0xFFFF'0000u : 0u,
                      .line = o.line,
-                     .hint = "this is another device than the profile is for: see its node-ID, or give the "
-                             "scene the profile of this device"});
+                     .hint = "the profile is for another device: check the node-ID, or set the profile of "
+                             "this device in the scene"});
   }
 }
 
@@ -69,15 +69,15 @@ void append_interpolation(const NodeProfile& profile, const NodeSetup& setup, st
   steps.push_back(write({0x60C2, 2}, ObjectType::i8, time.exponent, line));
 }
 
-// Targets travel in per mille of 6076h: where it is not what the scene says, every torque is wrong by that
-// factor and nothing else shows it.
+// Targets are sent in per mille of 6076h. If 6076h differs from the scene, every torque is wrong by that
+// factor, and no other check detects it.
 void append_torque_check(const NodeProfile& profile, const NodeSetup& setup, std::vector<SdoStep>& steps) {
   if (!profile.torque_rated_unit_Nm || !setup.torque_rated_Nm) return;
   const double expected = *setup.torque_rated_Nm / profile.torque_rated_unit_Nm->value;
   std::ostringstream hint;
   hint << "the unit is " << profile.torque_rated_unit_Nm->value
-       << " N m and the scene says torque_rated_Nm = " << *setup.torque_rated_Nm
-       << ": correct the scene or the drive, or every torque is wrong by that factor";
+       << " N m and the scene has torque_rated_Nm = " << *setup.torque_rated_Nm
+       << ": correct the scene or the drive, otherwise every torque is wrong by their ratio";
   steps.push_back({.action = SdoAction::check,
                    .address = {0x6076, 0},
                    .type = ObjectType::u32,
@@ -90,15 +90,15 @@ void append_torque_check(const NodeProfile& profile, const NodeSetup& setup, std
 void append_mode(const NodeProfile& profile, std::vector<SdoStep>& steps) {
   if (!profile.mode) return;
   const auto [mode, line] = *profile.mode;
-  steps.push_back(write({0x6060, 0}, ObjectType::i8, mode, line, "6502h tells the modes that the drive has"));
-  steps.push_back({.action = SdoAction::wait_for,
-                   .address = {0x6061, 0},
-                   .type = ObjectType::i8,
-                   .low = mode,
-                   .high = mode,
-                   .line = line,
-                   .hint = "the drive took the mode and does not change to it: see its manual for what it "
-                           "needs first"});
+  steps.push_back(write({0x6060, 0}, ObjectType::i8, mode, line, "6502h lists the modes of the drive"));
+  steps.push_back(
+      {.action = SdoAction::wait_for,
+       .address = {0x6061, 0},
+       .type = ObjectType::i8,
+       .low = mode,
+       .high = mode,
+       .line = line,
+       .hint = "the drive accepts the mode but does not enter it: see its manual for the conditions"});
 }
 
 }  // namespace

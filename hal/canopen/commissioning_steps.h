@@ -1,4 +1,4 @@
-// From a device profile to the SDO transfers that set one node up by it.
+// Converts a device profile to the SDO transfers that set up one node.
 #pragma once
 
 #include <string>
@@ -10,24 +10,24 @@
 
 namespace godobject {
 
-/// What a profile does not know: where the node is, and what the scene wants of it.
+/// Inputs that are not in the profile: the node's address and values of the scene.
 struct NodeSetup {
   std::uint8_t node_id = 1;
   std::uint8_t host_node_id = 127;
-  double cycle_s = 1e-3;                    // SYNC period, to 60C2h
-  std::optional<double> torque_rated_Nm{};  // of a drive, against 6076h
+  double cycle_s = 1e-3;                    // SYNC period, s, written to 60C2h
+  std::optional<double> torque_rated_Nm{};  // rated torque of a drive, N m, compared with 6076h
   std::uint8_t status_every_nth_sync = 1;   // transmission type of a TPDO with PdoProfile::of_scene
 };
 
-/// In the order of the boot sequence: identity, heartbeats, options, PDOs, 60C2h, 6076h, other writes, mode.
+/// Returns the steps in boot order: identity, heartbeats, options, PDOs, 60C2h, 6076h, other writes, mode.
 std::vector<SdoStep> commissioning_steps(const NodeProfile& profile, const NodeSetup& setup);
 
-/// A cycle as 60C2h wants it: value * 10^exponent s.
+/// Cycle in the format of 60C2h: value * 10^exponent s.
 struct InterpolationTime {
   std::uint8_t value = 1;
   std::int8_t exponent = -3;
 };
-/// None where no 1..255 times a power of ten from 1 us to 1 s is the period.
+/// Returns the encoding of a period; nullopt if it is not 1..255 times a power of ten from 1 us to 1 s.
 std::optional<InterpolationTime> interpolation_time(double cycle_s) noexcept;
 
 }  // namespace godobject

@@ -5,7 +5,7 @@ namespace godobject::lss {
 const char* text_of(Command command, std::uint8_t error_code) noexcept {
   constexpr std::uint8_t vendor_specific = 255;
   if (error_code == 0) return "done";
-  if (error_code == vendor_specific) return "the vendor's own error: see the device's manual";
+  if (error_code == vendor_specific) return "vendor-specific error: see the device's manual";
   if (error_code == 1) {
     switch (command) {
       case Command::set_node_id: return "node-ID out of range: 1 to 127";
@@ -15,7 +15,7 @@ const char* text_of(Command command, std::uint8_t error_code) noexcept {
     }
   }
   if (command == Command::store && error_code == 2) return "access to the node's memory failed";
-  return "an error code that CiA 305 does not define";
+  return "error code not defined by CiA 305";
 }
 
 bool Master::switch_global(Mode mode) noexcept {
@@ -94,7 +94,7 @@ bool Master::on_frame(const CanFrame& frame) noexcept {
   if (inquires_) {
     std::uint32_t value = 0;
     ByteReader(std::span(message).subspan(1)).get(value);
-    if (answer_ == Command::inquire_node_id) value &= 0xFF;  // one byte, the rest is reserved
+    if (answer_ == Command::inquire_node_id) value &= 0xFF;  // one byte; the rest is reserved
     if (num_answers_ < answers_.size()) answers_[num_answers_++] = value;
     return true;
   }

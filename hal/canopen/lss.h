@@ -1,5 +1,5 @@
-// Layer setting services (CiA 305): node-ID and bit rate of a node over the bus itself, and who
-// listens. Fast scan is not spoken.
+// Layer setting services (CiA 305): sets node-ID and bit rate of a node over the bus and lists the nodes.
+// Fast scan is not supported.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ enum class Command : std::uint8_t {
   select_product = 0x41,
   select_revision = 0x42,
   select_serial = 0x43,
-  selected = 0x44,  // the slave's answer to the four
+  selected = 0x44,  // the slave's answer to the four selections
   inquire_vendor = 0x5A,
   inquire_product = 0x5B,
   inquire_revision = 0x5C,
@@ -32,7 +32,7 @@ enum class Command : std::uint8_t {
 
 enum class Mode : std::uint8_t { waiting = 0, configuration = 1 };
 
-/// The identity object 1018h, by which one node out of many is selected.
+/// Identity object 1018h, which selects one node of many.
 struct Identity {
   std::uint32_t vendor = 0, product = 0, revision = 0, serial = 0;
 };
@@ -49,14 +49,15 @@ constexpr Message make_select(Command command, std::uint32_t value) noexcept {
   ByteWriter(message).put(static_cast<std::uint8_t>(command)).put(value);
   return message;
 }
-/// delay_ms: nodes fall silent for so long, change their rate, and stay silent as long again.
+/// Makes activate bit timing. delay_ms: silence before and again after the nodes change their bit rate, ms.
 constexpr Message make_activate(std::uint16_t delay_ms) noexcept {
   Message message{};
   ByteWriter(message).put(static_cast<std::uint8_t>(Command::activate_bit_timing)).put(delay_ms);
   return message;
 }
 
-/// Index in table 0 of CiA 305. 100 kbit/s is index 5 in older issues, reserved in newer ones: not offered.
+/// Returns the index in table 0 of CiA 305. 100 kbit/s is index 5 in older issues, reserved in newer ones,
+/// therefore not supported.
 constexpr std::optional<std::uint8_t> bit_timing_index(double bit_rate) noexcept {
   constexpr std::array rates{1e6, 800e3, 500e3, 250e3, 125e3, 0.0, 50e3, 20e3, 10e3};
   for (std::size_t i = 0; i < rates.size(); ++i)
@@ -68,32 +69,32 @@ enum class Outcome : std::uint8_t {
   idle,
   busy,
   done,
-  rejected,   // error_code() is the slave's
-  no_answer,  // nobody is in configuration mode: off, other bit rate, or no LSS
-  not_sent,   // the bus has not taken the request
+  rejected,   // rejected by the slave with error_code()
+  no_answer,  // no node in configuration mode: off, other bit rate, or without LSS
+  not_sent,   // the bus did not accept the request
 };
 
-/// The error codes of set node-ID, set bit timing and store.
+/// Returns the meaning of an error code of set node-ID, set bit timing or store.
 const char* text_of(Command command, std::uint8_t error_code) noexcept;
 
-/// One service at a time, none of them waits. Switch global addresses every node: for node-ID and bit rate
-/// exactly one node may be on the bus, or be selected by its identity.
+/// LSS master: one service at a time, non-blocking. Switch global addresses every node. To set node-ID or bit
+/// rate, exactly one node may be on the bus or be selected by its identity.
 class Master {
  public:
   explicit Master(Nanoseconds timeout_ns = 1'000'000'000) noexcept : timeout_ns_(timeout_ns) {}
 
-  // Each begins with the next poll; false, and nothing begun, while one is under way.
-  /// Done as soon as it is sent: it has no answer.
+  // Each begins at the next poll. Returns false and begins nothing while another service runs.
+  /// Switches the mode of all nodes. Has no answer: done once sent.
   [[nodiscard]] bool switch_global(Mode mode) noexcept;
   [[nodiscard]] bool select(const Identity& identity) noexcept;
-  /// node_id: 1..127, or 255 for none.
+  /// Sets the node-ID. node_id: 1..127, or 255 for none.
   [[nodiscard]] bool set_node_id(std::uint8_t node_id) noexcept;
   [[nodiscard]] bool set_bit_timing(std::uint8_t index) noexcept;
   [[nodiscard]] bool store() noexcept;
-  /// An inquire_... of all nodes that are in configuration mode. Busy until the timeout, then done, with their
-  /// answers(), or no_answer.
+  /// Sends an inquire_... command to all nodes in configuration mode. Busy until the timeout, then done with
+  /// their answers(), or no_answer.
   [[nodiscard]] bool inquire(Command command) noexcept;
-  /// Done as soon as it is sent: it has no answer.
+  /// Activates the bit timing. Has no answer: done once sent.
   [[nodiscard]] bool activate_bit_timing(std::uint16_t delay_ms) noexcept;
 
   bool on_frame(const CanFrame& frame) noexcept;
@@ -101,8 +102,8 @@ class Master {
 
   Outcome outcome() const noexcept { return outcome_; }
   std::uint8_t error_code() const noexcept { return error_code_; }
-  std::uint8_t vendor_error() const noexcept { return vendor_error_; }  // where error_code() is 255
-  /// To inquire(), one of each node, as they came; the first 127.
+  std::uint8_t vendor_error() const noexcept { return vendor_error_; }  // valid if error_code() is 255
+  /// Returns the answers to inquire(), one per node, in order of arrival, at most 127.
   std::span<const std::uint32_t> answers() const noexcept { return std::span(answers_).first(num_answers_); }
 
  private:

@@ -1,4 +1,4 @@
-// Messages of exactly eight bytes, in requests and answers: SDO (CiA 301) and LSS (CiA 305).
+// Messages of exactly eight bytes, for requests and answers of SDO (CiA 301) and LSS (CiA 305).
 #pragma once
 
 #include <algorithm>

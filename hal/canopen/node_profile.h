@@ -1,5 +1,5 @@
-// How a CANopen node is set up before it works in a rig: what a device profile file says. The reader is
-// platform/scene/profile.h; Commissioning turns it into SDO transfers.
+// Content of a device profile file: the set-up of a CANopen node before it runs in a rig.
+// platform/scene/profile.h reads it; Commissioning converts it to SDO transfers.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 
 namespace godobject {
 
-/// A value and the line of the profile file that states it, which messages about it name.
+/// A value and its line in the profile file, for error messages.
 template <class T>
 struct FromLine {
   T value{};
   unsigned line = 0;
 };
 
-/// An object that must have this value, or gets it.
+/// An object whose value is checked or written.
 struct ProfileObject {
   canopen::ObjectAddress address{};
   canopen::ObjectType type = canopen::ObjectType::u32;
@@ -37,39 +37,41 @@ enum class PdoDirection : std::uint8_t {
   transmit,  // TPDO: node to host
 };
 
-/// A PDO as it shall be. Its COB-ID is that of the predefined connection set (CiA 301 7.5.4).
+/// Required configuration of a PDO. Its COB-ID is that of the predefined connection set (CiA 301 7.5.4).
 struct PdoProfile {
   PdoDirection direction = PdoDirection::transmit;
   int number = 1;                         // 1..4
   FromLine<std::uint8_t> transmission{};  // xx:02; see of_scene
-  bool of_scene = false;                  // the transmission type is status_every_nth_sync of the scene
+  bool of_scene = false;                  // transmission type is status_every_nth_sync of the scene
   std::optional<FromLine<std::uint16_t>> inhibit_100us{};  // xx:03, TPDO only
-  std::optional<FromLine<std::uint16_t>> timer_ms{};       // xx:05: a TPDO's event timer, an RPDO's deadline
-  std::vector<MappedObject> map{};                         // at most 8, 64 bits in all
+  // xx:05: event timer of a TPDO, deadline of an RPDO
+  std::optional<FromLine<std::uint16_t>> timer_ms{};
+  std::vector<MappedObject> map{};  // at most 8 objects of at most 64 bits in total
   unsigned line = 0;
 };
 
 struct NodeProfile {
-  std::string file{};  // as messages call it
+  std::string file{};  // name used in messages
   std::string about{};
-  double boot_timeout_s = 5;                              // from reset communication to the boot-up message
-  double sdo_timeout_s = 1;                               // for each answer
-  double mode_timeout_s = 1;                              // from 6060h to the same in 6061h
-  std::vector<ProfileObject> identity{};                  // 1000h, 1018h: each must be what it says
+  double boot_timeout_s = 5;  // from reset communication to the boot-up message
+  double sdo_timeout_s = 1;   // timeout of each answer
+  // from writing 6060h to reading the same value in 6061h
+  double mode_timeout_s = 1;
+  std::vector<ProfileObject> identity{};                  // 1000h, 1018h: required values
   std::optional<FromLine<std::uint16_t>> heartbeat_ms{};  // 1017h
   std::optional<FromLine<std::uint16_t>>
-      host_timeout_ms{};                                 // 1016h:01; the node consumes the host's heartbeat
-  std::vector<ProfileObject> before_map{}, after_map{};  // written in this order around the mapping
-  std::vector<PdoProfile> pdos{};  // TPDOs 1..4 that are not among them are switched off
-  std::optional<FromLine<double>> torque_rated_unit_Nm{};  // of 6076h, which must agree with the scene
-  std::optional<FromLine<bool>> interpolation_time{};      // 60C2h gets the period of the scene
-  std::optional<FromLine<std::int8_t>> mode{};             // 6060h, then waits for 6061h
-  // Bits of the statusword, 0 to 15, or -1 for none; as Cia402Params without these.
+      host_timeout_ms{};                                   // 1016h:01; the node consumes the host's heartbeat
+  std::vector<ProfileObject> before_map{}, after_map{};    // written before and after the mapping
+  std::vector<PdoProfile> pdos{};                          // TPDOs 1..4 that are not listed are switched off
+  std::optional<FromLine<double>> torque_rated_unit_Nm{};  // unit of 6076h, which must agree with the scene
+  std::optional<FromLine<bool>> interpolation_time{};      // writes the period of the scene to 60C2h
+  std::optional<FromLine<std::int8_t>> mode{};             // written to 6060h; then waits for 6061h
+  // Bits of the statusword, 0 to 15, or -1 for none. Default: Cia402Params.
   std::optional<FromLine<std::int8_t>> follows_bit{}, limit_bit{};
 };
 
-/// Profiles of the nodes of a rig, in the order of RigParams::encoders and ::drives. None: the node is left
-/// alone.
+/// Profiles of the nodes of a rig, in the order of RigParams::encoders and ::drives. A node without a profile
+/// is not set up.
 struct RigProfiles {
   std::vector<std::optional<NodeProfile>> encoders, drives;
 };

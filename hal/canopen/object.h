@@ -1,4 +1,4 @@
-// Objects of a CANopen device's dictionary: address, type, and their bytes in SDO and PDO (CiA 301 7.4).
+// Objects in the dictionary of a CANopen device: address, type, and encoding in SDO and PDO (CiA 301 7.4).
 #pragma once
 
 #include <array>
@@ -18,14 +18,14 @@ struct ObjectAddress {
 
 enum class ObjectType : std::uint8_t { u8, u16, u32, i8, i16, i32, text };
 
-/// Names of ObjectType in profiles and on the command line, in its order.
+/// Names of ObjectType in profiles and on the command line, in the order of the enumeration.
 inline constexpr std::array object_type_names{"u8", "u16", "u32", "i8", "i16", "i32", "string"};
 
 constexpr bool is_signed(ObjectType type) noexcept {
   return type == ObjectType::i8 || type == ObjectType::i16 || type == ObjectType::i32;
 }
 
-/// In bytes; 0 for text, which has no size of its own.
+/// Returns the size in bytes; 0 for text, which has no fixed size.
 constexpr std::size_t size_of(ObjectType type) noexcept {
   switch (type) {
     case ObjectType::u8:
@@ -39,7 +39,7 @@ constexpr std::size_t size_of(ObjectType type) noexcept {
   return 0;
 }
 
-/// The largest value of a type that is a number.
+/// Returns the largest value of a numeric type.
 constexpr std::int64_t highest(ObjectType type) noexcept {
   const std::size_t bits = 8 * size_of(type) - (is_signed(type) ? 1 : 0);
   return (std::int64_t{1} << bits) - 1;
@@ -49,7 +49,7 @@ constexpr bool in_range(ObjectType type, std::int64_t value) noexcept {
   return value >= lowest(type) && value <= highest(type);
 }
 
-/// The low `bytes.size()` bytes of a number, little-endian; negative ones in two's complement.
+/// Encodes the low `bytes.size()` bytes of a number, little-endian, two's complement.
 constexpr void encode_number(std::int64_t value, std::span<std::uint8_t> bytes) noexcept {
   auto rest = static_cast<std::uint64_t>(value);
   for (std::uint8_t& byte : bytes) {
@@ -58,7 +58,7 @@ constexpr void encode_number(std::int64_t value, std::span<std::uint8_t> bytes) 
   }
 }
 
-/// The number in at most eight bytes; further ones are not read. No bytes give 0.
+/// Decodes at most eight bytes and ignores further ones. No bytes give 0. negative_possible: type is signed.
 constexpr std::int64_t decode_number(std::span<const std::uint8_t> bytes, bool negative_possible) noexcept {
   const std::size_t size = bytes.size() < 8 ? bytes.size() : 8;
   std::uint64_t raw = 0;

@@ -21,11 +21,11 @@ constexpr std::array objects{
 };
 
 constexpr const char* no_deadline_hint =
-    "where the drive has no deadline for RPDOs, take deadline_ms out and have it watch the host's heartbeat: "
-    "host_timeout_ms = 20 and abort_connection_option = 1 in the profile, heartbeat_period = 0.005 in the "
-    "scene";
+    "if the drive has no deadline for RPDOs, remove deadline_ms and let it supervise the host's heartbeat: "
+    "set host_timeout_ms = 20 and abort_connection_option = 1 in the profile, heartbeat_period = 0.005 in "
+    "the scene";
 
-/// Hexadecimal or decimal digits up to `end_mark`, which is taken off `text` with them.
+/// Parses hexadecimal or decimal digits up to `end_mark`; removes both from `text`.
 std::optional<unsigned> take_number(std::string_view& text, int base, std::string_view end_mark) noexcept {
   unsigned value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
@@ -47,11 +47,11 @@ SdoStep as(SdoAction action, SdoStep written) {
   return written;
 }
 
-/// Compares what shall be there, the count of a mapping before its entries, and makes `change` only if it is
-/// not.
+/// Appends steps that compare the required values and perform `change` only if one differs. The count of a
+/// mapping is compared before its entries.
 void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>& change,
                         std::vector<SdoStep>& steps) {
-  // not of std::ranges, whose result clang 14 does not compile
+  // Not std::ranges: clang 14 does not compile its result.
   std::stable_partition(wanted.begin(), wanted.end(),
                         [](const SdoStep& step) { return step.address.sub == 0; });
   for (const SdoStep& step : wanted) steps.push_back(as(SdoAction::compare, step));
@@ -61,7 +61,7 @@ void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>&
 
 SdoStep read_back(SdoStep written) {
   written = as(SdoAction::check, written);
-  written.hint = "the node took what was written and keeps something else: see its manual on PDO mapping";
+  written.hint = "the node accepted the value but stores another one: see its manual on PDO mapping";
   return written;
 }
 
@@ -83,7 +83,7 @@ std::optional<MappedObject> parse_mapped_object(std::string_view text) noexcept 
 }
 
 std::string map_error(const PdoProfile& pdo) {
-  if (pdo.map.empty()) return "maps nothing: name one object at least";
+  if (pdo.map.empty()) return "maps no object: name at least one";
   if (pdo.map.size() > max_mapped_objects)
     return "maps " + std::to_string(pdo.map.size()) + " objects; a PDO carries at most " +
            std::to_string(max_mapped_objects);
@@ -99,7 +99,7 @@ void append_map_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t tra
   const std::uint16_t mapping = mapping_index(pdo.direction, pdo.number);
   const auto count = static_cast<std::int64_t>(pdo.map.size());
 
-  std::vector<SdoStep> kept;  // what must still be there in the end
+  std::vector<SdoStep> kept;  // values to read back at the end
   std::uint8_t sub = 0;
   for (const MappedObject& object : pdo.map)
     kept.push_back(write_step(mapping, ++sub, ObjectType::u32, mapping_entry(object), object.line));

@@ -1,4 +1,4 @@
-// Mapping of PDOs (CiA 301 7.5.2): the objects by name, and the steps that give a PDO its contents.
+// PDO mapping (CiA 301 7.5.2): named objects, and the steps that configure a PDO.
 #pragma once
 
 #include <optional>
@@ -18,21 +18,21 @@ struct NamedObject {
   std::uint8_t bits;
 };
 
-/// What a profile's map can call by name: objects of CiA 402 and CiA 406.
+/// Returns the objects that a profile's map can name: objects of CiA 402 and CiA 406.
 std::span<const NamedObject> named_objects() noexcept;
 
-/// An object by name, or as "6077h:00:16": index, sub-index (both hexadecimal) and length in bits.
+/// Parses an object by name, or as "6077h:00:16": index and sub-index (hexadecimal), length in bits.
 std::optional<MappedObject> parse_mapped_object(std::string_view text) noexcept;
 
-/// What is wrong with the map of a PDO: too many objects or bits; empty: nothing.
+/// Returns the error in the map of a PDO (too many objects or bits); empty if valid.
 std::string map_error(const PdoProfile& pdo);
 
-/// The entry of a mapping record: index, sub-index, length (CiA 301 figure 78).
+/// Returns the entry of a mapping record: index, sub-index, length (CiA 301 figure 78).
 constexpr std::uint32_t mapping_entry(const MappedObject& object) noexcept {
   return std::uint32_t{object.address.index} << 16 | std::uint32_t{object.address.sub} << 8 | object.bits;
 }
 
-/// First index of the communication and mapping records; PDO n has index + n - 1.
+/// Returns the first index of the communication and mapping records; PDO n has index + n - 1.
 constexpr std::uint16_t communication_index(PdoDirection direction, int number) noexcept {
   return static_cast<std::uint16_t>((direction == PdoDirection::receive ? 0x1400 : 0x1800) + number - 1);
 }
@@ -44,18 +44,18 @@ constexpr std::uint32_t default_cob_id(PdoDirection direction, int number, std::
                                             : canopen::tpdo_cob_id(number, node);
 }
 
-/// The six steps of a re-map, in the only order all devices take (switch off, count 0, entries, count,
-/// transmission type and times, switch on), then every value read back. transmission: xx:02.
+/// Appends the six steps of a remap in the only order that all devices accept: switch off, count 0, entries,
+/// count, transmission type and times, switch on. Then each value is read back. transmission: value of xx:02.
 void append_map_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t transmission,
                       std::vector<SdoStep>& steps);
 
-/// Compares the PDO with what it shall be and takes those steps only if it differs, and of them only those
-/// whose values differ: some devices have maps that are read-only.
+/// Appends steps that compare the PDO with its required configuration and remap it only if it differs. Only
+/// differing values are written, because some devices have read-only maps.
 void append_pdo_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t transmission,
                       std::vector<SdoStep>& steps);
 
-/// Switches the TPDOs 1..4 off that the profile does not map: whatever the factory had them send would load
-/// the bus and answer to SYNC.
+/// Appends steps that switch off the TPDOs 1..4 missing in the profile. Otherwise factory mappings load the
+/// bus and answer to SYNC.
 void append_switch_off_steps(const std::vector<PdoProfile>& kept, std::vector<SdoStep>& steps);
 
 }  // namespace godobject

@@ -9,17 +9,17 @@ namespace godobject {
 
 namespace {
 
-/// Bits of the objects in a PDO that the rig takes apart or puts together.
+/// Sizes in bits of the objects in a PDO that the rig decodes or encodes.
 struct Layout {
   PdoDirection direction;
   int number;
   std::vector<std::uint8_t> bits;
 };
 
-/// What a profile is for.
+/// Device type of a profile.
 struct Kind {
   const char* name;
-  std::int64_t device_profile;  // 1000h, low word
+  std::int64_t device_profile;  // low word of 1000h
   std::vector<Layout> layouts;
 };
 
@@ -46,8 +46,9 @@ class Validation {
     check_deadlines(profile);
     check_mode(profile);
     if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
-      error(profile, profile.interpolation_time->line,
-            "60C2h cannot carry the scene's step: it takes 1 to 255 times a power of ten, from 1 us");
+      error(
+          profile, profile.interpolation_time->line,
+          "60C2h cannot represent the scene's step: set a step of 1 to 255 times a power of ten, from 1 us");
     for (const PdoProfile& pdo : profile.pdos)
       for (const Layout& layout : kind.layouts)
         if (pdo.direction == layout.direction && pdo.number == layout.number) check_map(profile, pdo, layout);
@@ -56,7 +57,7 @@ class Validation {
   std::vector<std::string> take() { return std::move(errors_); }
 
  private:
-  /// An encoder's profile on a drive makes no sense beyond that.
+  /// Checks the device type. Further checks of an encoder's profile on a drive are meaningless.
   bool is_of_kind(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
     const auto other = std::ranges::find_if(profile.identity, [&](const ProfileObject& object) {
       return object.address == canopen::ObjectAddress{0x1000, 0} && object.value != kind.device_profile;
@@ -65,22 +66,20 @@ class Validation {
     error(profile, other->line,
           "device_profile is " + std::to_string(other->value) + ", but the " + kind.name + " of joint '" +
               joint + "' is a node of CiA " + std::to_string(kind.device_profile) +
-              ": give it a profile of that");
+              ": set a profile for such a node");
     return false;
   }
 
   void check_heartbeats(const NodeProfile& profile) {
     const auto& period_ms = profile.heartbeat_ms;
     if (period_ms && (period_ms->value == 0 || 2e-3 * period_ms->value > rig_.heartbeat_timeout_s))
-      error(
-          profile, period_ms->line,
-          "the node's heartbeat must come at least twice within the scene's heartbeat_timeout, and not be 0");
+      error(profile, period_ms->line,
+            "the node's heartbeat period must be above 0 and at most half of the scene's heartbeat_timeout");
     const auto& timeout_ms = profile.host_timeout_ms;
     if (timeout_ms && 1e-3 * timeout_ms->value < 2 * rig_.heartbeat_period_s)
       error(profile, timeout_ms->line,
-            "the node would stop between two heartbeats of the host: give it twice the scene's "
-            "heartbeat_period "
-            "or more, or the scene [device.supervision] heartbeat_period = " +
+            "the node would stop between two heartbeats of the host: set at least twice the scene's "
+            "heartbeat_period, or in the scene [device.supervision] heartbeat_period = " +
                 number(0.25e-3 * timeout_ms->value));
   }
 
@@ -89,18 +88,17 @@ class Validation {
       if (pdo.direction == PdoDirection::receive && pdo.timer_ms && pdo.timer_ms->value > 0 &&
           1e-3 * pdo.timer_ms->value < 2 * rig_.cycle_s)
         error(profile, pdo.timer_ms->line,
-              "the node would stop between two commands of the host: give it twice the scene's step or more");
+              "the node would stop between two commands of the host: set at least twice the scene's step");
   }
 
-  /// The rig commands 6071h. Negative modes are the maker's own.
+  /// Checks the mode: the rig commands 6071h. Negative modes are vendor-specific.
   void check_mode(const NodeProfile& profile) {
     constexpr std::int8_t profile_torque = 4, cyclic_torque = 10;
     if (!profile.mode || profile.mode->value < 0) return;
     if (profile.mode->value == profile_torque || profile.mode->value == cyclic_torque) return;
     error(profile, profile.mode->line,
           "mode " + std::to_string(profile.mode->value) +
-              " does not follow the torque that the rig commands in 6071h: give it 10 (CST) or 4 (profile "
-              "torque)");
+              " ignores the torque that the rig commands in 6071h: set 10 (CST) or 4 (profile torque)");
   }
 
   static std::string number(double value) {
@@ -116,10 +114,10 @@ class Validation {
     for (const std::uint8_t bits : layout.bits)
       expected += (expected.empty() ? "" : ", ") + std::to_string(bits);
     error(profile, pdo.map.empty() ? pdo.line : pdo.map.front().line,
-          "the rig takes this PDO for objects of " + expected + " bits: see docs/canopen.md");
+          "the rig expects in this PDO objects of " + expected + " bits: see docs/canopen.md");
   }
 
-  // Nodes that share a profile share its errors.
+  // Adds an error once, because nodes that share a profile share its errors.
   void error(const NodeProfile& profile, unsigned line, const std::string& what) {
     std::string text = profile.file + ":" + std::to_string(line) + ": " + what;
     if (std::ranges::find(errors_, text) == errors_.end()) errors_.push_back(std::move(text));

@@ -1,4 +1,4 @@
-// Whether profiles fit the rig they are for, before any bus is touched.
+// Checks profiles against their rig, before any bus is opened.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace godobject {
 
-/// Where profiles and rig contradict each other: heartbeats, the period, maps that the rig would misread. One
-/// line each with its place in the profile; empty: nowhere.
+/// Returns contradictions between profiles and rig: heartbeats, period, maps that the rig would misread. One
+/// line each, with its place in the profile; empty if none.
 std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles);
 
-/// Gives the rig's drives that have a profile what it says of their mode and the bits of their statusword.
+/// Copies mode and statusword bits from the profiles to the rig's drives.
 void apply_profiles(const RigProfiles& profiles, RigParams& rig) noexcept;
 
 }  // namespace godobject

@@ -25,18 +25,19 @@ enum class DriveState : std::uint8_t {
 inline constexpr std::uint16_t disable_voltage = 0x0000;
 inline constexpr std::uint16_t quick_stop = 0x0002;
 inline constexpr std::uint16_t shutdown = 0x0006;
-inline constexpr std::uint16_t switch_on = 0x0007;  // from Operation Enabled: disable operation
+inline constexpr std::uint16_t switch_on = 0x0007;  // in Operation Enabled: disables operation
 inline constexpr std::uint16_t enable_operation = 0x000F;
 inline constexpr std::uint16_t fault_reset_bit = 0x0080;  // acts on its rising edge
 
-// Bits of the statusword 6041h outside the state.
+// Bits of the statusword 6041h that do not encode the state.
 inline constexpr std::uint16_t status_voltage_enabled = 1u << 4;
 inline constexpr std::uint16_t status_warning = 1u << 7;
 inline constexpr std::uint16_t status_remote = 1u << 9;
 inline constexpr std::uint16_t status_internal_limit = 1u << 11;
 inline constexpr std::uint16_t status_follows_command = 1u << 12;  // in the cyclic synchronous modes
 
-inline constexpr std::int8_t mode_cyclic_synchronous_torque = 10;  // 6060h, 6061h; others: cia402_modes.h
+// 6060h, 6061h; other modes: cia402_modes.h
+inline constexpr std::int8_t mode_cyclic_synchronous_torque = 10;
 
 constexpr DriveState decode_state(std::uint16_t statusword) noexcept {
   switch (statusword & 0x4Fu) {
@@ -55,8 +56,8 @@ constexpr DriveState decode_state(std::uint16_t statusword) noexcept {
   }
 }
 
-/// The state's own bits of the statusword; decode_state reads them back. `unknown` has none of its own and
-/// gives those of not_ready_to_switch_on.
+/// Returns the statusword bits of a state, the inverse of decode_state. `unknown` gives those of
+/// not_ready_to_switch_on.
 constexpr std::uint16_t encode_state(DriveState state) noexcept {
   switch (state) {
     case DriveState::switch_on_disabled: return 0x40;
@@ -72,16 +73,17 @@ constexpr std::uint16_t encode_state(DriveState state) noexcept {
   return 0x00;
 }
 
-/// A drive acts on the edge of bit 7, when it looks at the controlword: some do every 2nd SYNC or 8 ms, and
-/// one that is busy later. Each level of the bit is kept until the state changes, and so long otherwise.
+/// Hold time of each level of the fault reset bit, ns, unless the state changes earlier. A drive acts on the
+/// edge of bit 7 when it reads the controlword: some every 2nd SYNC or 8 ms, busy ones later.
 inline constexpr Nanoseconds fault_reset_hold_ns = 50'000'000;
 
-/// In Fault: bit 7 where it was 0, and 0 where it was set. To be called when fault_reset_hold_ns is over.
+/// Toggles the fault reset bit (7) in state Fault. Call it when fault_reset_hold_ns is over.
 constexpr std::uint16_t fault_reset_controlword(std::uint16_t last_controlword) noexcept {
   return (last_controlword & fault_reset_bit) == 0 ? fault_reset_bit : disable_voltage;
 }
 
-/// The controlword that leads one state closer to Operation Enabled; out of Fault only if `reset_fault`.
+/// Returns the controlword that leads one state closer to Operation Enabled; out of Fault only if
+/// `reset_fault`.
 constexpr std::uint16_t next_controlword(DriveState state, std::uint16_t last_controlword,
                                          bool reset_fault) noexcept {
   switch (state) {
@@ -90,7 +92,7 @@ constexpr std::uint16_t next_controlword(DriveState state, std::uint16_t last_co
     case DriveState::switched_on:
     case DriveState::operation_enabled: return enable_operation;
     case DriveState::fault: return reset_fault ? fault_reset_controlword(last_controlword) : disable_voltage;
-    case DriveState::quick_stop_active:  // out of it by way of switch_on_disabled
+    case DriveState::quick_stop_active:  // left by way of switch_on_disabled
     case DriveState::not_ready_to_switch_on:
     case DriveState::fault_reaction_active:
     case DriveState::unknown: break;
@@ -98,8 +100,8 @@ constexpr std::uint16_t next_controlword(DriveState state, std::uint16_t last_co
   return disable_voltage;
 }
 
-/// raw = round(1000 tau / tau_rated), held within +-1000 tau_max / tau_rated and +-32767.
-/// NaN, or limits that are not positive, give 0.
+/// Returns round(1000 tau / tau_rated), clamped to +-1000 tau_max / tau_rated and +-32767. Returns 0 for NaN
+/// or limits that are not positive.
 inline std::int16_t torque_to_per_mille(double torque_Nm, double torque_rated_Nm,
                                         double torque_max_Nm) noexcept {
   if (!(torque_rated_Nm > 0) || !(torque_max_Nm > 0)) return 0;

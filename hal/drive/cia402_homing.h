@@ -1,16 +1,16 @@
-// Homing of a CiA 402 drive (mode 6): it finds its zero by itself, started and watched by the host.
+// Homing of a CiA 402 drive (mode 6): the drive finds its zero; the host starts and supervises it.
 #pragma once
 
 #include "hal/drive/cia402_modes.h"
 
 namespace godobject::cia402 {
 
-// 6098h, i8. Negative ones are the vendor's (maxon -1..-4: hard stop).
+// 6098h, i8. Negative methods are vendor-specific (maxon -1..-4: hard stop).
 inline constexpr std::int8_t homing_at_index_negative = 33;
 inline constexpr std::int8_t homing_at_index_positive = 34;
-inline constexpr std::int8_t homing_at_current_position = 37;  // 35 in older issues of the standard
+inline constexpr std::int8_t homing_at_current_position = 37;  // method 35 in older issues of the standard
 
-// Bits that mean this in mode 6 only.
+// Bits with this meaning in mode 6 only.
 inline constexpr std::uint16_t control_start_homing = 1u << 4;
 inline constexpr std::uint16_t status_target_reached = 1u << 10;
 inline constexpr std::uint16_t status_homing_attained = 1u << 12;
@@ -19,13 +19,13 @@ inline constexpr std::uint16_t status_homing_error = 1u << 13;
 enum class HomingState : std::uint8_t {
   in_progress,
   not_running,       // not started, or interrupted
-  attained,          // home is known, the drive still moves to its target
-  complete,          // home is known, the drive is at rest
+  attained,          // homed, the drive still moves to its target
+  complete,          // homed, the drive is at rest
   failed_in_motion,  // error, not yet at rest
-  failed,            // error, at rest: see 603Fh, then start anew
+  failed,            // error, at rest: see 603Fh, then restart
 };
 
-/// From the statusword in mode 6, state Operation Enabled (CiA 402-2, homing mode: bits 13, 12, 10).
+/// Decodes the statusword in mode 6, state Operation Enabled (CiA 402-2, homing mode: bits 13, 12, 10).
 constexpr HomingState decode_homing(std::uint16_t statusword) noexcept {
   const bool reached = (statusword & status_target_reached) != 0;
   if ((statusword & status_homing_error) != 0)
@@ -35,7 +35,7 @@ constexpr HomingState decode_homing(std::uint16_t statusword) noexcept {
   return reached ? HomingState::not_running : HomingState::in_progress;
 }
 
-/// The bits that decode_homing reads back.
+/// Returns the statusword bits of a homing state, the inverse of decode_homing.
 constexpr std::uint16_t encode_homing(HomingState state) noexcept {
   switch (state) {
     case HomingState::in_progress: break;
@@ -48,11 +48,12 @@ constexpr std::uint16_t encode_homing(HomingState state) noexcept {
   return 0;
 }
 
-/// One homing, a step per cycle: statusword in, controlword out, until finished(). Before: 6098h and 6099h are
-/// written, 6060h is 6 and 6061h says so. Afterwards the drive stays enabled; set its mode back with it off.
+/// One homing, one step per cycle until finished(): statusword in, controlword out. Before the first step,
+/// 6098h and 6099h must be written, and 6060h and 6061h be 6. The drive stays enabled afterwards; change its
+/// mode only while it is disabled.
 class Homing {
  public:
-  /// timeout_ns: from the first step to the end.
+  /// timeout_ns: limit from the first step to the end, ns.
   explicit constexpr Homing(Nanoseconds timeout_ns) noexcept : timeout_ns_(timeout_ns) {}
 
   enum class Result : std::uint8_t { running, complete, failed, timed_out };
@@ -68,7 +69,7 @@ class Homing {
     if (result_ != Result::running) return controlword_ = finish(state);
     if (state != DriveState::operation_enabled)
       return controlword_ = next_controlword(state, controlword_, true);
-    // the drive acts on the rising edge of the bit, so it is sent without it first
+    // Sent without the start bit first, because the drive acts on its rising edge.
     const bool ready = controlword_ == enable_operation;
     started_ = started_ || ready;
     return controlword_ = started_ ? enable_operation | control_start_homing : enable_operation;
@@ -78,8 +79,8 @@ class Homing {
   constexpr bool finished() const noexcept { return result_ != Result::running; }
 
  private:
-  // What the statusword says of a homing before this one is over once it has been in progress, or its
-  // outcome changed.
+  // Evaluates the statusword once it refers to this homing: after in_progress was seen, or after
+  // max_steps_without_progress. Earlier values may be of a previous homing.
   constexpr void watch(std::uint16_t statusword) noexcept {
     const HomingState state = decode_homing(statusword);
     if (state == HomingState::in_progress) seen_in_progress_ = true;
@@ -93,7 +94,7 @@ class Homing {
     return state == DriveState::operation_enabled ? enable_operation : disable_voltage;
   }
 
-  static constexpr int max_steps_without_progress = 10;  // some drives are done before they say so
+  static constexpr int max_steps_without_progress = 10;  // some drives finish before they report in_progress
 
   Nanoseconds timeout_ns_;
   Nanoseconds t_begin_ns_ = 0;

@@ -40,7 +40,8 @@ DriveMessage Cia402Link::decode(const CanFrame& frame, DriveTelemetry& out) noex
   return {.result = result, .position = true};
 }
 
-/// True of a torque in the direction of a target and short of it. Some drives limit without a bit for it.
+/// True if the actual torque is in the direction of a target and smaller. Some drives limit without setting a
+/// bit.
 bool Cia402Link::is_held_back(std::int16_t actual_per_mille) const noexcept {
   return std::ranges::any_of(targets_per_mille_, [actual_per_mille](int target) {
     return target * actual_per_mille > 0 && std::abs(actual_per_mille) < std::abs(target);

@@ -1,4 +1,4 @@
-// CiA 402 drives in cyclic synchronous torque mode, as the rig commands them.
+// CiA 402 drives in cyclic synchronous torque mode: implementation of DriveLink.
 #pragma once
 
 #include "hal/drive/cia402.h"
@@ -6,16 +6,16 @@
 
 namespace godobject {
 
-/// SYNC asks for the status; the RPDO1 of every cycle carries controlword and torque and takes effect at the
-/// next SYNC. Node supervision (NMT, heartbeat, EMCY) is the rig's.
+/// SYNC requests the status. The RPDO1 of every cycle carries controlword and torque and takes effect at the
+/// next SYNC. The rig does node supervision (NMT, heartbeat, EMCY).
 ///
-/// Enabled is a drive in Operation Enabled whose statusword shows that it follows the command (bit 12) and
-/// whose TPDO2, if it has sent one, does not name another mode than the torque mode. Mode and bits:
-/// DriveParams::cia402. Once it has followed, a drive that limits the torque (bit 11, or less torque than its
-/// target) may clear bit 12 meanwhile: it stays enabled.
+/// Enabled means: in Operation Enabled, the statusword shows that the drive follows the command (bit 12), and
+/// its last TPDO2, if any, reports the torque mode. Mode and bits: DriveParams::cia402. After it has followed
+/// once, a drive may clear bit 12 while it limits the torque and stays enabled. It limits if bit 11 is set or
+/// the torque is below its target.
 ///
-/// Fault is reset by an edge of bit 7. Drives may look at the controlword seldom: each level is kept until
-/// the state changes, and for fault_reset_hold_ns otherwise.
+/// A fault is reset by an edge of bit 7. Each level is held until the state changes, at most for
+/// fault_reset_hold_ns, because drives may read the controlword rarely.
 class Cia402Link final : public DriveLink {
  public:
   Cia402Link(const DriveParams& params, double /*cycle_s*/) noexcept : params_(params) {}
@@ -34,21 +34,21 @@ class Cia402Link final : public DriveLink {
   DriveParams params_;
   cia402::DriveState state_ = cia402::DriveState::unknown;
   std::uint16_t statusword_ = 0;
-  bool follows_ = false;                     // or limits, after it has followed
+  bool follows_ = false;                     // follows the command, or limits after it has followed
   std::optional<std::int8_t> shown_mode_{};  // 6061h of TPDO2
   std::uint16_t controlword_ = cia402::disable_voltage;
-  std::array<int, 2> targets_per_mille_{};        // the last two sent: a status may be of either
-  std::optional<Nanoseconds> t_reset_edge_ns_{};  // bit 7 of the controlword changed last
+  std::array<int, 2> targets_per_mille_{};        // last two targets sent; a status may refer to either
+  std::optional<Nanoseconds> t_reset_edge_ns_{};  // last change of bit 7 of the controlword
 };
 
 namespace cia402 {
 
-/// DriveTelemetry::own_state: the statusword, and above it 6061h and whether it is known.
+/// Packs DriveTelemetry::own_state: statusword, above it 6061h and a bit that 6061h is valid.
 constexpr std::uint32_t own_state(std::uint16_t statusword, std::optional<std::int8_t> mode) noexcept {
   constexpr std::uint32_t known = 1u << 24;
   return mode ? known | std::uint32_t{static_cast<std::uint8_t>(*mode)} << 16 | statusword : statusword;
 }
-/// "operation enabled (6041h = 0237h), bit 12 is not set: ...".
+/// Returns "operation enabled (6041h = 0237h), bit 12 is not set: ...".
 std::string state_text(const DriveParams& params, std::uint32_t own_state);
 std::string error_text(std::uint32_t error_code, std::uint32_t own_state);
 

@@ -1,11 +1,11 @@
-// CiA 402 beyond cyclic torque: modes of operation, commands in velocity and position, what a quick stop does.
+// CiA 402 beyond cyclic torque: modes of operation, velocity and position commands, quick stop options.
 #pragma once
 
 #include "hal/drive/cia402.h"
 
 namespace godobject::cia402 {
 
-/// 6060h (asked for) and 6061h (in effect), i8.
+/// 6060h (requested) and 6061h (in effect), i8.
 enum class OperationMode : std::int8_t {
   none = 0,
   profile_position = 1,
@@ -19,13 +19,13 @@ enum class OperationMode : std::int8_t {
   cyclic_synchronous_torque = 10,
 };
 
-/// Whether a drive has a mode, by its 6502h: mode n is bit n - 1 (CST 200h, CSV 100h, CSP 80h, homing 20h).
+/// True if 6502h lists the mode: mode n is bit n - 1 (CST 200h, CSV 100h, CSP 80h, homing 20h).
 constexpr bool supports(std::uint32_t supported_modes_6502h, OperationMode mode) noexcept {
   const int bit = static_cast<int>(mode) - 1;
   return bit >= 0 && bit < 32 && ((supported_modes_6502h >> bit) & 1u) != 0;
 }
 
-/// 605Ah, i16: what a drive does between a quick stop and standstill.
+/// 605Ah, i16: behaviour of a drive between a quick stop and standstill.
 enum class QuickStopOption : std::int16_t {
   disable = 0,                  // power stage off, coasts
   slow_down_ramp = 1,           // 6084h, then Switch On Disabled
@@ -36,7 +36,7 @@ enum class QuickStopOption : std::int16_t {
   current_limit_and_stay = 7,
 };
 
-/// What a cyclic command sets; each kind needs its mode in effect.
+/// Quantity set by a cyclic command; each kind requires its mode in effect.
 enum class CommandKind : std::uint8_t {
   torque,    // CST, 6071h in per mille of 6076h: RPDO1 (make_command)
   velocity,  // CSV, 60FFh in counts/s: RPDO3

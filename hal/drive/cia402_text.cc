@@ -21,7 +21,7 @@ const char* name_of(cia402::DriveState state) {
 
 const char* emergency_text(unsigned code) {
   switch (code) {
-    case 0x0000: return "no error any more";
+    case 0x0000: return "no error";
     case 0x2310: return "continuous over-current";
     case 0x2320: return "short circuit or earth leakage";
     case 0x3210: return "DC link over-voltage";
@@ -60,7 +60,7 @@ const char* emergency_text(unsigned code) {
     case 0x7: return "additional modules";
     case 0x8: return "monitoring";
     case 0x9: return "external error";
-    case 0xF: return "additional functions or the device's own";
+    case 0xF: return "additional functions or manufacturer-specific";
     default: return "not in CiA 301 or 402";
   }
 }
@@ -83,7 +83,7 @@ const char* name_of(cia402::OperationMode mode) {
     case cia402::OperationMode::cyclic_synchronous_velocity: return "cyclic synchronous velocity";
     case cia402::OperationMode::cyclic_synchronous_torque: return "cyclic synchronous torque";
   }
-  return "the maker's own";
+  return "manufacturer-specific";
 }
 
 }  // namespace godobject

@@ -7,7 +7,8 @@ namespace godobject {
 
 namespace {
 
-// A drive that answers every n-th SYNC is n - 1 cycles older than one that answers all.
+// Returns the age above which a drive is silent. A drive that answers every n-th SYNC may be n - 1 cycles
+// older.
 Nanoseconds silent_after(const DriveParams& params, double cycle_s, Nanoseconds stale_after_ns) noexcept {
   return stale_after_ns + std::llround(1e9 * cycle_s * (params.status_every_nth_sync - 1));
 }
@@ -45,7 +46,7 @@ bool Drive::silent(Nanoseconds now) const noexcept {
 }
 
 DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) const noexcept {
-  // power is kept: tau_motor w_motor = tau_joint q_dot
+  // Conservation of power: tau_motor w_motor = tau_joint q_dot.
   const bool may_move = goal == DriveGoal::hold || goal == DriveGoal::enable;
   const bool enabled = may_move && telemetry_.state == MotorState::enabled;
   const double wanted = enabled ? params_.sign * params_.joint_per_motor_rad * tau_joint : 0;
@@ -62,7 +63,7 @@ DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) cons
 
 void Drive::sent(const DriveCommand& command, Nanoseconds now) noexcept {
   order_ = command.order;
-  if (!command.out.frame) return;  // request_sent() takes the torque over
+  if (!command.out.frame) return;  // request_sent() then records the torque
   torque_Nm_ = command.order.torque_Nm;
   link_->sent(command.out, now);
 }

@@ -1,8 +1,5 @@
-// One motor drive as the rig sees it: position, torque and state in, limited torque commands out. What it
-// speaks is DriveLink's.
-//
-// The room: link.h is what a protocol implements; cia402*.h, odrive.h and moteus.h do; watchdog.h says what stops a
-// drive when its host dies.
+// One motor drive: position, torque and state in, limited torque commands out. DriveLink implements its
+// protocol.
 #pragma once
 
 #include "hal/drive/link.h"
@@ -10,52 +7,55 @@
 
 namespace godobject {
 
-/// What a drive last said.
+/// Last feedback of a drive.
 struct DriveFeedback {
-  JointSample position;  // as joint coordinate
-  double velocity = 0;   // of the joint, rad/s or m/s, as the drive measures it; 0 until it says
+  JointSample position;  // joint coordinate
+  double velocity = 0;   // velocity of the joint, rad/s or m/s, measured by the drive; 0 until received
   double torque_Nm = 0;  // at the motor shaft
   MotorState state = MotorState::unknown;
   bool internal_limit = false;   // the drive itself limits
-  std::uint32_t error_code = 0;  // in the drive's own numbers; 0: none
+  std::uint32_t error_code = 0;  // drive-specific; 0: none
 };
 
-/// A command ready to be sent, and which limit shaped it.
+/// A command ready to be sent, and the limits that changed it.
 struct DriveCommand {
-  DriveFrame out;               // no frame: the next request says it, or nothing is to be said
-  DriveOrder order;             // the torque before the rounding of the protocol
+  // without a frame, the next request carries the command, or nothing needs to be sent
+  DriveFrame out;
+  DriveOrder order;             // torque before the rounding of the protocol
   bool torque_limited = false;  // by torque_max_Nm
   bool rate_limited = false;    // by torque_rate_Nm_per_s
 };
 
 class Drive {
  public:
-  /// Allocates; nothing later does.
+  /// Allocates; no other function does.
   Drive(const DriveParams& params, double cycle_s, Nanoseconds stale_after_ns);
 
-  /// A frame of its node. t_ns: when the position in it was measured, should it hold one. answered: the request that it
-  /// answers has been answered before; its state counts, its position is no second measurement.
+  /// Processes a frame of its node. t_ns: sampling time of its position, if any, ns. answered: the request of
+  /// this answer was answered before; the state is used, the position is no second measurement.
   DriveMessage on_frame(const CanFrame& frame, Nanoseconds t_ns, bool answered = false) noexcept;
 
   DriveFeedback feedback(Nanoseconds now) const noexcept;
-  /// No position for longer than the stale limit plus the SYNCs it may leave out.
+  /// True if the last position is older than the stale limit plus the SYNCs that the drive may skip.
   bool silent(Nanoseconds now) const noexcept;
   const Encoder& position() const noexcept { return position_; }
   MotorState state() const noexcept { return telemetry_.state; }
   std::uint32_t error_code() const noexcept { return telemetry_.error_code; }
   const DriveTelemetry& telemetry() const noexcept { return telemetry_; }
 
-  /// What to send at the beginning of a cycle, if anything; request_sent() when it has left.
+  /// Returns the frame to send at the beginning of a cycle, if any. Call request_sent() when it has been
+  /// sent.
   std::optional<CanFrame> request() const noexcept { return link_->request(order_); }
   void request_sent() noexcept { torque_Nm_ = order_.torque_Nm; }
 
-  /// tau_joint (finite, N m or N, at the joint): through the transmission to the motor, saturated at
-  /// torque_max_Nm, at most one cycle's slew away from the last command that was sent. A drive that is
-  /// not enabled, or is to stop, is sent zero torque.
+  /// Plans a command: maps tau_joint through the transmission to the motor and saturates it at torque_max_Nm.
+  /// Limits its change from the last sent command to the slew of one cycle. Returns zero torque for a drive
+  /// that is not enabled or is to stop. tau_joint: at the joint, N m or N, finite.
   DriveCommand plan(double tau_joint, DriveGoal goal, Nanoseconds now) const noexcept;
-  /// Tells that a planned command has left, or has no frame of its own: the next one slews from it.
+  /// Records that a planned command was sent or needs no frame; the slew limit of the next one starts from
+  /// it.
   void sent(const DriveCommand& command, Nanoseconds now) noexcept;
-  /// At the motor shaft, as last sent.
+  /// Returns the torque last sent, at the motor shaft, N m.
   double commanded_torque_Nm() const noexcept { return torque_Nm_; }
 
  private:
@@ -67,7 +67,7 @@ class Drive {
   DriveTelemetry telemetry_;
   Nanoseconds position_t_ns_ = 0;
   bool has_position_ = false;
-  DriveOrder order_{.goal = DriveGoal::hold};  // the last one given
+  DriveOrder order_{.goal = DriveGoal::hold};  // last order
   double torque_Nm_ = 0;
 };
 

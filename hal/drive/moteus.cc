@@ -8,7 +8,7 @@ namespace moteus {
 namespace {
 
 constexpr std::uint8_t filling = 0x50;
-constexpr std::uint32_t max_count = 64;  // no frame holds more
+constexpr std::uint32_t max_count = 64;  // upper bound for any frame
 
 constexpr std::size_t size_of(ValueType type) noexcept {
   switch (type) {
@@ -77,7 +77,7 @@ double Subframe::value(std::uint32_t index) const noexcept {
   return static_cast<double>(real);
 }
 
-// Seven bits per byte, least significant first; bit 7: another one follows.
+// Parses a varuint: seven bits per byte, least significant first; bit 7: another byte follows.
 bool SubframeReader::take_varuint(std::uint32_t& value) noexcept {
   value = 0;
   for (int shift = 0; shift < 32 && !bytes_.empty(); shift += 7) {
@@ -116,7 +116,7 @@ void SubframeWriter::put(std::span<const std::uint8_t> bytes) noexcept {
   size_ = static_cast<std::uint8_t>(size_ + bytes.size());
 }
 
-// Registers used here are below 80h: a varuint of one byte.
+// Writes the head of a sub-frame. Registers used here are below 80h: a varuint of one byte.
 void SubframeWriter::head(SubframeKind kind, ValueType type, Register first, std::uint8_t count) noexcept {
   const bool count_in_head = count >= 1 && count <= 3;
   const auto code = static_cast<std::uint8_t>(
@@ -176,10 +176,10 @@ void put_query(SubframeWriter& out) noexcept {
 }  // namespace
 
 std::vector<CanFilter> filters(std::uint8_t node) {
-  constexpr std::uint32_t all = 0x1FFF'FFFF, all_standard = 0x7FF, asks = 0x8000;
+  constexpr std::uint32_t all = 0x1FFF'FFFF, all_standard = 0x7FF, reply_requested = 0x8000;
   const std::uint32_t from = std::uint32_t{node} << 8;
   std::vector<CanFilter> filters{{.id = from, .mask = all & ~0xFFu, .extended = true},
-                                 {.id = asks | node, .mask = all, .extended = true}};
+                                 {.id = reply_requested | node, .mask = all, .extended = true}};
   if (from <= all_standard) filters.push_back({.id = from, .mask = all_standard});
   return filters;
 }
@@ -194,7 +194,7 @@ CanFrame make_torque(std::uint8_t node, float torque_Nm, float watchdog_s) noexc
   SubframeWriter out;
   out.write(std::array<std::uint8_t, 1>{mode_position}, mode);
   out.write(torque_Nm, feedforward_torque);
-  out.write(std::array<std::uint8_t, 2>{0, 0}, kp_scale);  // and kd_scale
+  out.write(std::array<std::uint8_t, 2>{0, 0}, kp_scale);  // kp_scale and kd_scale
   out.write(watchdog_s, watchdog_timeout);
   put_query(out);
   return out.frame(request_id(node));
@@ -284,7 +284,7 @@ std::optional<CanFrame> MoteusLink::request(const DriveOrder& order) const noexc
   return moteus::make_torque(node_, static_cast<float>(order.torque_Nm), watchdog_s_);
 }
 
-// Torque waits for the next request; a stop does not.
+// Returns a stop at once; a torque is sent with the next request.
 DriveFrame MoteusLink::command(const DriveOrder& order, Nanoseconds) const noexcept {
   const bool stop =
       order.goal == DriveGoal::off || (order.goal == DriveGoal::quick_stop && mode_ == moteus::mode_position);

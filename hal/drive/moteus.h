@@ -1,8 +1,8 @@
 // moteus motor controllers: registers read and written in sub-frames of CAN FD frames with bit-rate switch.
 //
-// id = source << 8 | destination, extended above 7FFh; bit 7 of the source asks for a reply. The host is 0. A
-// frame is a row of sub-frames, one byte each for kind, type and count, then the first register and, for a
-// write or reply, the values, little-endian; 50h fills up. Integers are multiples of a quantum that depends on
+// id = source << 8 | destination, extended above 7FFh; bit 7 of the source requests a reply. The host is 0. A
+// frame is a sequence of sub-frames: one byte for kind, type and count, then the first register and, for a
+// write or reply, the values, little-endian; 50h pads. Integers are multiples of a quantum that depends on
 // type and register; the most negative one is NaN.
 #pragma once
 
@@ -17,25 +17,25 @@ enum Register : std::uint32_t {
   torque = 0x003,              // N m
   voltage = 0x00D,             // V
   temperature = 0x00E,         // degC
-  fault = 0x00F,               // meaning in mode 1; 96..105: what limits the output
+  fault = 0x00F,               // meaning in mode 1; 96..105: the active output limit
   command_position = 0x020,    // rev
   command_velocity = 0x021,    // rev/s
   feedforward_torque = 0x022,  // N m
   kp_scale = 0x023,            // 0..1
   kd_scale = 0x024,            // 0..1
   max_torque = 0x025,          // N m
-  watchdog_timeout = 0x027,    // s without a command, then mode 11
+  watchdog_timeout = 0x027,    // s without a command until mode 11
 };
 
 // Values of `mode`.
 inline constexpr int mode_stopped = 0;
 inline constexpr int mode_fault = 1;
 inline constexpr int mode_position = 10;
-inline constexpr int mode_timeout = 11;  // stays until it is stopped
+inline constexpr int mode_timeout = 11;  // stays until a stop command
 
 inline constexpr int first_limit_code = 96, last_limit_code = 105;
 
-enum class ValueType : std::uint8_t { int8, int16, int32, real };  // their codes on the wire
+enum class ValueType : std::uint8_t { int8, int16, int32, real };  // codes on the wire
 
 enum class SubframeKind : std::uint8_t {
   write = 0,
@@ -48,20 +48,20 @@ struct Subframe {
   ValueType type = ValueType::int8;
   std::uint32_t first = 0;  // register
   std::uint32_t count = 0;
-  std::span<const std::uint8_t> bytes{};  // of the values; none of a read
+  std::span<const std::uint8_t> bytes{};  // bytes of the values; empty for a read
 
-  /// In the register's unit; NaN where the wire says so. index: below count, of a write or reply.
+  /// Returns the value in the register's unit; may be NaN. index: below count, of a write or reply.
   double value(std::uint32_t index) const noexcept;
 };
 
-/// Walks a frame. Every sub-frame it gives lies within the frame's bytes.
+/// Iterates over the sub-frames of a frame. Each lies within the frame's bytes.
 class SubframeReader {
  public:
   explicit SubframeReader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
 
-  /// False at the end, and at the first byte that is none of read, write, reply and filling.
+  /// Returns false at the end and at the first byte that is no read, write, reply or padding.
   bool next(Subframe& out) noexcept;
-  /// False when it stopped before the end.
+  /// False if it stopped before the end.
   bool ok() const noexcept { return ok_; }
 
  private:
@@ -71,18 +71,18 @@ class SubframeReader {
   bool ok_ = true;
 };
 
-/// Writes sub-frames one after the other into a frame; full() when one did not fit.
+/// Writes consecutive sub-frames into a frame; full() if one did not fit.
 class SubframeWriter {
  public:
   void read(ValueType type, Register first, std::uint8_t count) noexcept;
   /// Writes values of one byte each, in the quanta of their registers.
   void write(std::span<const std::uint8_t> values, Register first) noexcept;
   void write(float value, Register reg) noexcept;
-  /// Values of registers whose quantum is this one's, saturated; NaN as the type has it.
+  /// Writes values of registers with the same quantum, saturated; NaN as encoded by the type.
   void reply(ValueType type, Register first, std::span<const double> values) noexcept;
 
   bool full() const noexcept { return full_; }
-  /// Filled up to a size that FD has.
+  /// Returns the frame, padded to a valid FD size.
   CanFrame frame(std::uint32_t id) const noexcept;
 
  private:
@@ -100,35 +100,37 @@ constexpr std::uint32_t command_id(std::uint8_t node) noexcept { return node; }
 /// Controller to host.
 constexpr std::uint32_t reply_id(std::uint8_t node) noexcept { return std::uint32_t{node} << 8; }
 
-/// The node, 1..127, that sent a frame to the host; 0: it is no such frame.
+/// Returns the node, 1..127, that sent a frame to the host; 0 for any other frame.
 constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   const bool to_host = frame.fd && (frame.id & ~0x7F00u) == 0;
   return to_host ? static_cast<std::uint8_t>(frame.id >> 8) : std::uint8_t{0};
 }
 
-/// Node 1..127 that a host, source 0, asks and commands; 0: none.
+/// Returns the node, 1..127, that a host (source 0) addresses; 0: none.
 constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   const bool from_host = frame.fd && (frame.id & ~0x807Fu) == 0;
   return from_host ? static_cast<std::uint8_t>(frame.id & 0x7Fu) : std::uint8_t{0};
 }
 
-/// Extended where the source makes it more than 11 bits, also of the host where it asks for a reply.
+/// Filters all frames from and to a node. Identifiers above 11 bits are extended, also those of the host that
+/// request a reply.
 std::vector<CanFilter> filters(std::uint8_t node);
 
-/// moteus_text.cc
+/// Implemented in moteus_text.cc.
 DriveText describe(const CanFrame& frame);
 std::string state_text(const DriveParams& params, std::uint32_t own_state);
 std::string error_text(std::uint32_t error_code, std::uint32_t own_state);
 
-/// Asks for what Reply holds: a frame of 8 bytes.
+/// Makes a query for the contents of Reply: a frame of 8 bytes.
 CanFrame make_query(std::uint8_t node) noexcept;
-/// The same, and pure torque control: position mode with both gains scaled to zero. 24 bytes.
+/// Makes a torque command with query: position mode with both gains scaled to zero. 24 bytes.
 CanFrame make_torque(std::uint8_t node, float torque_Nm, float watchdog_s) noexcept;
-/// 20 ms, or four cycles where those are longer: more than a few lost frames, less than a hand notices.
+/// Returns the watchdog time, s: 20 ms or four cycles, the larger. It bridges a few lost frames and is too
+/// short for a hand to notice.
 double watchdog_s(double cycle_s) noexcept;
 inline constexpr ProtocolWatchdog watchdog{.time_s = watchdog_s,
                                            .mechanism = "register 027h, with each command"};
-/// Mode 0. 8 bytes.
+/// Makes a stop command: mode 0, 8 bytes.
 CanFrame make_stop(std::uint8_t node, bool with_query) noexcept;
 
 struct Reply {
@@ -139,18 +141,18 @@ struct Reply {
   int fault = 0;
 };
 
-/// Any reply that holds mode, position, velocity and torque, each a number: else bad_value.
+/// Parses any reply with mode, position, velocity and torque. Returns bad_value if one is missing or NaN.
 [[nodiscard]] ParseResult parse_reply(const CanFrame& frame, std::uint8_t node, Reply& out) noexcept;
-/// What a controller answers make_query with: 24 bytes.
+/// Makes the answer of a controller to make_query: 24 bytes.
 CanFrame make_reply(std::uint8_t node, const Reply& reply) noexcept;
 
 }  // namespace godobject::moteus
 
 namespace godobject {
 
-/// One frame per cycle commands the torque of the cycle before and asks for the state: the torque takes effect
-/// when the cycle begins, as with synchronous RPDOs. It sets the watchdog too, so that the motor stops soon
-/// after the frames do.
+/// One frame per cycle commands the torque of the previous cycle and requests the state. The torque thus
+/// takes effect at the beginning of the cycle, as with synchronous RPDOs. The frame also sets the watchdog:
+/// the motor stops soon after the frames do.
 class MoteusLink final : public DriveLink {
  public:
   MoteusLink(const DriveParams& params, double cycle_s) noexcept;

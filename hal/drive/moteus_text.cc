@@ -1,4 +1,4 @@
-// moteus frames in words.
+// Texts of moteus frames.
 #include "hal/base/format.h"
 #include "hal/drive/moteus.h"
 

@@ -20,7 +20,8 @@ ParseResult parse_reals(const CanFrame& frame, std::uint8_t node, Command comman
 
 namespace {
 
-// An answer to the last request shows in a heartbeat: two of them at their default period, and some.
+// Retry interval of a step: its result appears in a heartbeat, so two heartbeats at the default period plus
+// margin.
 constexpr Nanoseconds retry_ns = 250'000'000;
 
 }  // namespace
@@ -55,12 +56,13 @@ bool OdriveLink::enabled() const noexcept {
   return heard_ && heartbeat_.axis_state == odrive::axis_closed_loop && !has_error() && torque_mode_sent_;
 }
 
-// Errors are cleared first. The mode goes right before the state every time: the drive may have re-booted.
+// Returns the next step towards enabled. Errors are cleared first. The mode is sent before each state change,
+// because the drive may have rebooted.
 OdriveLink::Step OdriveLink::next_step(Nanoseconds now) const noexcept {
-  const Step wanted = has_error() ? clear_errors : torque_mode;
-  if (wanted == torque_mode && last_step_ == torque_mode) return closed_loop;
-  const bool asked = last_step_ == wanted || (wanted == torque_mode && last_step_ == closed_loop);
-  return asked && now - t_last_step_ns_ < retry_ns ? waiting : wanted;
+  const Step next = has_error() ? clear_errors : torque_mode;
+  if (next == torque_mode && last_step_ == torque_mode) return closed_loop;
+  const bool pending = last_step_ == next || (next == torque_mode && last_step_ == closed_loop);
+  return pending && now - t_last_step_ns_ < retry_ns ? waiting : next;
 }
 
 DriveFrame OdriveLink::command(const DriveOrder& order, Nanoseconds now) const noexcept {

@@ -1,10 +1,10 @@
 // ODrive motor drives: CAN Simple, firmware 0.6.
 //
 // id = node << 5 | command, 11 bits, classic frames, numbers little-endian, reals IEEE 32 bits. Firmware 0.5
-// has the messages used here at the same places, but for the bits of the heartbeat's error, its bytes after
-// the axis state (there flags of motor, encoder and controller, whose errors the axis error leaves out) and
-// Clear_Errors (there without data); its position messages in counts, its 03h, 04h, 1Ch and 1Dh are others. A
-// CAN Simple bus carries no CANopen: 080h, SYNC there, is node 4's Get_Version here.
+// has the same layout of the messages used here, with these exceptions. Its heartbeat has other error bits;
+// the bytes after the axis state are flags of motor, encoder and controller, whose errors the axis error
+// omits. Clear_Errors has no data. Position messages in counts, 03h, 04h, 1Ch and 1Dh differ. A CAN Simple
+// bus carries no CANopen: 080h, SYNC there, is node 4's Get_Version here.
 #pragma once
 
 #include "hal/canopen/canopen.h"
@@ -13,8 +13,8 @@
 namespace godobject::odrive {
 
 inline constexpr std::uint8_t max_node_id = 62;    // 63: not addressed
-inline constexpr double heartbeat_period_s = 0.1;  // heartbeat_msg_rate_ms as it comes
-inline constexpr double torques_period_s = 0.01;   // torques_msg_rate_ms as docs/new-device.md sets it
+inline constexpr double heartbeat_period_s = 0.1;  // heartbeat_msg_rate_ms as shipped
+inline constexpr double torques_period_s = 0.01;   // torques_msg_rate_ms as set in docs/new-device.md
 
 enum class Command : std::uint8_t {
   heartbeat = 0x01,
@@ -39,21 +39,21 @@ inline constexpr std::uint32_t error_estop = 0x0200'0000;
 struct Heartbeat {
   std::uint32_t error = 0;
   std::uint8_t axis_state = 0;
-  std::array<std::uint8_t, 3>
-      flags{};  // 0.6: procedure result, trajectory done, 0; 0.5: motor, encoder, controller
+  // 0.6: procedure result, trajectory done, 0; 0.5: motor, encoder, controller.
+  std::array<std::uint8_t, 3> flags{};
 };
 
-/// Bytes 4 to 7 of the heartbeat: DriveTelemetry::own_state.
+/// Packs bytes 4 to 7 of the heartbeat: DriveTelemetry::own_state.
 constexpr std::uint32_t own_state(const Heartbeat& heartbeat) noexcept {
   return std::uint32_t{heartbeat.axis_state} | std::uint32_t{heartbeat.flags[0]} << 8 |
          std::uint32_t{heartbeat.flags[1]} << 16 | std::uint32_t{heartbeat.flags[2]} << 24;
 }
 
-/// True of firmware 0.5 from 0.5.4 on: its last byte has the controller's flags, of which bit 7, trajectory
-/// done, is set wherever no trajectory runs. Firmware 0.6 sends 0 there.
+/// True for firmware 0.5 from 0.5.4 on: its last byte holds the controller's flags. Bit 7 of it, trajectory
+/// done, is set while no trajectory runs. Firmware 0.6 sends 0 there.
 constexpr bool is_firmware_0_5(const Heartbeat& heartbeat) noexcept { return heartbeat.flags[2] != 0; }
 
-/// True where firmware 0.5 flags an error of motor, encoder or controller.
+/// True if firmware 0.5 reports an error of motor, encoder or controller.
 constexpr bool has_flagged_error(const Heartbeat& heartbeat) noexcept {
   const auto& [motor, encoder, controller] = heartbeat.flags;
   return is_firmware_0_5(heartbeat) && ((motor | encoder | controller) & 1u) != 0;
@@ -73,14 +73,14 @@ constexpr std::uint32_t frame_id(std::uint8_t node, Command command) noexcept {
   return std::uint32_t{node} << 5 | static_cast<std::uint32_t>(command);
 }
 
-/// Node 1..62; 0: none, or node 0, which is not used here.
+/// Returns the sending node, 1..62; 0: none, or node 0, which is not used here.
 constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
   const std::uint32_t node = frame.id >> 5;
   const bool classic = !frame.extended && !frame.fd && !frame.remote;
   return classic && node <= max_node_id ? static_cast<std::uint8_t>(node) : std::uint8_t{0};
 }
 
-/// Node that a frame commands or sets up; 0: none. An e-stop may come from anywhere.
+/// Returns the node that a frame commands or configures; 0: none. An e-stop may come from any node.
 constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   switch (static_cast<Command>(frame.id & 0x1Fu)) {
     case Command::set_axis_state:
@@ -91,7 +91,7 @@ constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
   }
 }
 
-/// Whatever the command.
+/// Filters all frames of a node, with any command.
 inline std::vector<CanFilter> filters(std::uint8_t node) {
   return {{.id = std::uint32_t{node} << 5, .mask = 0x7E0}};
 }
@@ -103,19 +103,19 @@ constexpr std::uint32_t command_id(std::uint8_t node) noexcept {
 inline constexpr ProtocolWatchdog watchdog{
     .mechanism =
         "CAN Simple has no message that sets one: set axis0.config.enable_watchdog = True and "
-        "watchdog_timeout = 0.02 on the drive, and say so by watchdog = \"drive\""};
+        "watchdog_timeout = 0.02 on the drive, and watchdog = \"drive\" in the scene"};
 
-/// odrive_text.cc
+/// Implemented in odrive_text.cc.
 DriveText describe(const CanFrame& frame);
 std::string state_text(const DriveParams& params, std::uint32_t own_state);
 std::string error_text(std::uint32_t error_code, std::uint32_t own_state);
 
-/// Asks once for a message that the drive otherwise sends cyclically: a remote frame of its size.
+/// Makes a request for one message that the drive otherwise sends cyclically: a remote frame of its size.
 constexpr CanFrame make_request(std::uint8_t node, Command command) noexcept {
   return {.id = frame_id(node, command), .remote = true, .size = 8};
 }
 
-/// Messages of one or two numbers of 32 bits.
+/// Makes a message of one or two 32-bit numbers.
 template <class... Numbers>
 constexpr CanFrame make_message(std::uint8_t node, Command command, Numbers... numbers) noexcept {
   CanFrame frame{.id = frame_id(node, command), .size = static_cast<std::uint8_t>(4 * sizeof...(numbers))};
@@ -134,7 +134,7 @@ constexpr CanFrame make_input_torque(std::uint8_t node, float torque_Nm) noexcep
   return make_message(node, Command::set_input_torque, torque_Nm);
 }
 constexpr CanFrame make_idle_command(std::uint8_t node) noexcept { return make_input_torque(node, 0); }
-/// Firmware 0.5 takes it without, and with, the byte.
+/// Makes Clear_Errors with one byte; firmware 0.5 accepts it with and without the byte.
 constexpr CanFrame make_clear_errors(std::uint8_t node) noexcept {
   return {.id = frame_id(node, Command::clear_errors), .size = 1};
 }
@@ -151,7 +151,7 @@ constexpr CanFrame make_torques(std::uint8_t node, const Torques& torques) noexc
   return make_message(node, Command::torques, torques.target_Nm, torques.estimate_Nm);
 }
 
-/// A data frame with this command, of this node and size.
+/// Checks for a data frame with this command, of this node and size.
 [[nodiscard]] constexpr ParseResult check(const CanFrame& frame, std::uint8_t node, Command command,
                                           std::size_t size) noexcept {
   if (sender(frame) != node || frame.id != frame_id(node, command)) return ParseResult::other_message;
@@ -167,7 +167,7 @@ constexpr CanFrame make_torques(std::uint8_t node, const Torques& torques) noexc
   return result;
 }
 
-/// Two reals, both finite: else bad_value.
+/// Parses two reals; returns bad_value unless both are finite.
 [[nodiscard]] ParseResult parse_reals(const CanFrame& frame, std::uint8_t node, Command command, float& first,
                                       float& second) noexcept;
 
@@ -184,12 +184,12 @@ constexpr CanFrame make_torques(std::uint8_t node, const Torques& torques) noexc
 
 namespace godobject {
 
-/// A remote frame asks for the encoder estimates in every cycle, so that the sample has the time of the cycle:
-/// the drive's own cyclic sending (encoder_msg_rate_ms) is to be off. Input_Torque goes out in every cycle, zero
-/// unless the drive is enabled, and feeds its watchdog (axis.config.enable_watchdog is to be on).
+/// A remote frame requests the encoder estimates in every cycle, so that the sample has the time of the
+/// cycle. The drive's own cyclic sending (encoder_msg_rate_ms) must be off. Input_Torque is sent in every
+/// cycle, zero unless the drive is enabled, and feeds its watchdog (axis.config.enable_watchdog must be on).
 ///
-/// Enabled is axis state 8 without an error, after this host has set torque control. Axis state and error come
-/// with the heartbeat (100 ms by default), by which the drive is supervised.
+/// Enabled means: axis state 8 without an error, after this host has set torque control. The heartbeat (100
+/// ms by default) reports axis state and error and supervises the drive.
 class OdriveLink final : public DriveLink {
  public:
   OdriveLink(const DriveParams& params, double /*cycle_s*/) noexcept : node_(params.node_id) {}

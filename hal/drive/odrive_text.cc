@@ -1,4 +1,4 @@
-// CAN Simple in words.
+// Texts of CAN Simple messages.
 #include "hal/base/format.h"
 #include "hal/drive/odrive.h"
 
@@ -71,7 +71,7 @@ constexpr std::array error_bits_0_5{
     ErrorBit{0x0008'0000, "unknown position"},
 };
 
-// Firmware 0.6: outcome of the last procedure, entering closed loop among them.
+// Firmware 0.6: outcome of the last procedure, including entering closed loop.
 constexpr std::array procedure_results{
     "success",           "busy",
     "cancelled",         "disarmed",
@@ -88,7 +88,7 @@ Heartbeat heartbeat_of(std::uint32_t error, std::uint32_t own_state) {
   return {.error = error, .axis_state = byte(0), .flags = {byte(1), byte(2), byte(3)}};
 }
 
-/// Names of the bits that are set.
+/// Returns the names of the set bits.
 std::string names_of_error(const Heartbeat& heartbeat) {
   const std::span<const ErrorBit> bits = is_firmware_0_5(heartbeat)
                                              ? std::span<const ErrorBit>(error_bits_0_5)
@@ -110,7 +110,8 @@ std::string text_of_error(const Heartbeat& heartbeat) {
   return text;
 }
 
-/// Outcome of the last procedure where it is not success; firmware 0.5 before 0.5.4 has flags there.
+/// Returns the outcome of the last procedure unless it is success; empty for firmware 0.5, which sends flags
+/// there.
 std::string text_of_procedure(const Heartbeat& heartbeat) {
   const std::uint8_t result = heartbeat.flags[0];
   if (is_firmware_0_5(heartbeat) || heartbeat.axis_state != axis_idle || result == 0) return "";
@@ -118,7 +119,7 @@ std::string text_of_procedure(const Heartbeat& heartbeat) {
          (result < procedure_results.size() ? std::string(" ") + procedure_results[result] : "");
 }
 
-/// The number of a message that has one of 32 bits.
+/// Returns the first 32-bit number of a message.
 template <class Number>
 std::optional<Number> number_of(const CanFrame& frame) {
   Number number{};
@@ -169,7 +170,7 @@ std::string error_text(std::uint32_t error_code, std::uint32_t own_state) {
 }
 
 DriveText describe(const CanFrame& frame) {
-  CanFrame answer = frame;  // that a request asks for
+  CanFrame answer = frame;  // the requested answer
   answer.remote = false;
   const std::uint8_t node = sender(answer);
   if (node == 0) return {};

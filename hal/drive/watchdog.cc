@@ -17,7 +17,7 @@ std::optional<std::int64_t> written(const NodeProfile& profile, canopen::ObjectA
   return value;
 }
 
-/// The deadline of RPDO1, s; none where it has none.
+/// Returns the deadline of RPDO1, s; nullopt if there is none.
 std::optional<double> command_deadline(const NodeProfile& profile) {
   for (const PdoProfile& pdo : profile.pdos)
     if (pdo.direction == PdoDirection::receive && pdo.number == 1 && pdo.timer_ms && pdo.timer_ms->value > 0)
@@ -25,7 +25,8 @@ std::optional<double> command_deadline(const NodeProfile& profile) {
   return std::nullopt;
 }
 
-/// Without 6007h nothing follows from a heartbeat that stays away; what the drive has of itself is not known.
+/// Returns the heartbeat timeout of the host, s; nullopt without a reaction in 6007h. The drive's own
+/// defaults are unknown.
 std::optional<double> host_timeout(const NodeProfile& profile) {
   const bool reacts = written(profile, abort_connection).value_or(0) != 0;
   if (!reacts || !profile.host_timeout_ms || profile.host_timeout_ms->value == 0) return std::nullopt;
@@ -35,16 +36,15 @@ std::optional<double> host_timeout(const NodeProfile& profile) {
 TimeToZero of_profile(const NodeProfile& profile) {
   const std::optional<double> deadline = command_deadline(profile), timeout = host_timeout(profile);
   if (!deadline && !timeout)
-    return {.mechanism =
-                "its profile " + profile.file +
-                " sets none up: give its RPDO1 deadline_ms = 20, or [heartbeat] host_timeout_ms with "
-                "[drive] abort_connection_option = 1"};
+    return {.mechanism = "its profile " + profile.file +
+                         " configures none: set deadline_ms = 20 of its RPDO1, or host_timeout_ms in "
+                         "[heartbeat] and abort_connection_option = 1 in [drive]"};
   TimeToZero out;
   if (deadline && (!timeout || *deadline <= *timeout))
     out = {.s = deadline, .mechanism = "RPDO1 deadline, 1400h:05"};
   else out = {.s = timeout, .mechanism = "host's heartbeat, 1016h:01"};
   const std::optional<std::int64_t> reaction = written(profile, fault_reaction);
-  if (!reaction) out.mechanism += ", then as the drive's own 605Eh says";
+  if (!reaction) out.mechanism += ", then the drive's own 605Eh";
   else if (*reaction != 0) out.mechanism += ", then the ramp of 605Eh";
   return out;
 }
@@ -52,8 +52,8 @@ TimeToZero of_profile(const NodeProfile& profile) {
 TimeToZero of_cia402(const DriveParams& drive, const std::optional<NodeProfile>& profile) {
   if (profile) return of_profile(*profile);
   return {.mechanism = drive.profile.empty()
-                           ? "it has no profile that would set one up: give it profile = \"generic-402\""
-                           : "its profile is not there"};
+                           ? "it has no profile that configures one: set profile = \"generic-402\""
+                           : "its profile is missing"};
 }
 
 TimeToZero of_host(const RigParams& rig, const DriveParams& drive,
@@ -73,7 +73,7 @@ TimeToZero time_to_zero(const RigParams& rig, std::size_t drive, const RigProfil
     case DriveWatchdog::host: break;
     case DriveWatchdog::drive:
       return {.s = 1e-3 * params.watchdog_ms,
-              .mechanism = "the drive's own configuration, as the scene says"};
+              .mechanism = "the drive's own configuration, according to the scene"};
     case DriveWatchdog::none: return {.mechanism = "accepted by watchdog = \"none\""};
   }
   const bool has_profile = drive < profiles.drives.size();

@@ -1,4 +1,4 @@
-// What takes a drive's torque away when the host has died, and how soon.
+// Mechanism that removes a drive's torque after the host has died, and its delay.
 #pragma once
 
 #include <optional>
@@ -11,14 +11,14 @@
 namespace godobject {
 
 struct TimeToZero {
-  std::optional<double> s{};  // from the host's death, at most; none: never
-  std::string mechanism{};    // what does it; where nothing does: what to add
+  std::optional<double> s{};  // longest delay after the host's death; none: never
+  std::string mechanism{};    // name of the mechanism, or how to add one
 };
 
-/// How soon the torque of the drive of this index is zero; its profile is among `profiles`, a rig without any has none.
+/// Returns the delay until a drive has zero torque. drive: index. profiles: empty for a rig without profiles.
 TimeToZero time_to_zero(const RigParams& rig, std::size_t drive, const RigProfiles& profiles);
 
-/// One line for each drive that would keep its torque, and does not say that it may.
+/// Returns one line per drive that would keep its torque, unless its scene permits it.
 std::vector<std::string> missing_watchdogs(const RigParams& rig, const RigProfiles& profiles);
 
 }  // namespace godobject

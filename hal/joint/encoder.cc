@@ -62,7 +62,7 @@ double Encoder::from_home() const noexcept {
 
 bool Encoder::trusted() const noexcept { return std::popcount(rejected_history_) < votes_needed; }
 
-// to - from modulo the modulus, in [-modulus/2, modulus/2).
+// Returns to - from modulo the modulus, in [-modulus/2, modulus/2).
 std::int64_t Encoder::signed_difference(std::int64_t to, std::int64_t from) const noexcept {
   const std::int64_t half = modulus_counts_ / 2;
   std::int64_t difference = (to - from + half) % modulus_counts_;

@@ -17,18 +17,18 @@ using Mat6 = Eigen::Matrix<Real, 6, 6>;
 constexpr std::size_t joints_needed = 6;
 constexpr int max_iterations = 100;
 constexpr double tolerance = 1e-12;  // m, and rad times lever_m: far below one encoder count
-constexpr double lever_m = 0.1;      // a radian of attitude error weighs as much as this distance
+constexpr double lever_m = 0.1;      // length that weights an attitude error of 1 rad
 constexpr double min_damping = 1e-15, max_damping = 1e6;
 constexpr double min_reciprocal_condition = 1e-6;
 constexpr double max_turn_rad = 0.5;  // per iteration and joint, so that a step stays on its branch
 
-// log q on the shorter way round, angle in [0, pi].
+// Returns log q for the shorter rotation, angle in [0, pi].
 Vec3 rotation_vector(const Quat& q) noexcept {
   const Real sign = q.w() < 0 ? Real(-1) : Real(1);
   return sign * log_factor(sign * q.w()) * q.vec();
 }
 
-// e = [lever * rotation vector of q_WD q_WH^-1; p_WD - p_WH], world axes
+// Returns e = [lever * rotation vector of q_WD q_WH^-1; p_WD - p_WH], world axes.
 Vec6 pose_error(const Pose& X_WD, const Pose& X_WH) noexcept {
   Vec6 e;
   e.head<3>() = lever_m * rotation_vector(X_WD.q * X_WH.q.conjugate());
@@ -46,7 +46,7 @@ bool is_singular(const Mat6& J) noexcept {
   return !(Eigen::PartialPivLU<Mat6>(J).rcond() > min_reciprocal_condition);
 }
 
-// (J^T J + lambda I) dq = J^T e
+// Solves (J^T J + lambda I) dq = J^T e.
 Vec6 levenberg_step(const Mat6& J, const Vec6& e, double damping) noexcept {
   Mat6 A = J.transpose() * J;
   A.diagonal().array() += damping;

@@ -1,5 +1,5 @@
-// Joint coordinates of a six-joint arm from the pose of its one handle: how a motion that is given as
-// a pose is played through joint encoders.
+// Joint coordinates of a six-joint arm from the pose of its only handle. Used to play a motion given as poses
+// through joint encoders.
 #pragma once
 
 #include "hal/joint/kinematic_tree.h"
@@ -8,35 +8,36 @@ namespace godobject {
 
 enum class IkStatus : std::uint8_t {
   solved,
-  singular,     // pose met, but no joint rates give an arbitrary twist there
-  unreachable,  // no convergence: outside the workspace, or not reached from this start
-  wrong_input,  // not a device this can invert, or a pose that is not finite
+  singular,     // the pose is reached, but J cannot give an arbitrary twist there
+  unreachable,  // no convergence: outside the workspace, or not reachable from this start
+  wrong_input,  // device not invertible, or a pose that is not finite
 };
 
 struct IkSolution {
-  JointVector q;  // best found, also when not solved
+  JointVector q;  // best estimate, also if not solved
   IkStatus status = IkStatus::wrong_input;
-  double residual_m = 0;    // distance of the handle from the wanted position
-  double residual_rad = 0;  // angle from the wanted attitude
+  double residual_m = 0;    // distance of the handle from the requested position
+  double residual_rad = 0;  // angle from the requested attitude
   int iterations = 0;
 };
 
-/// Levenberg-damped Newton on the pose error. Stateful: each solve starts from the last solution, so
-/// a continuous motion stays on one branch. Bounded work, no heap.
+/// Levenberg-damped Newton iteration on the pose error. Stateful: each solve starts from the last solution,
+/// so a continuous motion stays on one branch. Bounded work, no heap.
 class InverseKinematics {
  public:
   explicit InverseKinematics(const KinematicTreeParams& tree) noexcept;
 
-  /// Whether the device is of the kind this can invert: one handle, and six joints all of which move it.
+  /// True if the device can be inverted: one handle, and six joints that all move it.
   bool invertible() const noexcept;
 
-  /// Starting point of the next solve. The device's own q = 0 at construction.
+  /// Sets the starting point of the next solve. Default: q = 0.
   void start_at(const JointVector& q) noexcept { q_ = q; }
 
-  /// On `unreachable` the starting point is kept as it was.
+  /// Solves for q. Keeps the starting point if `unreachable`.
   IkSolution solve(const Pose& X_WH) noexcept;
 
-  /// q_dot with J(q) q_dot = V_WH, at the last solution. False (and q_dot = 0) where J is singular.
+  /// Computes q_dot with J(q) q_dot = V_WH at the last solution. Returns false and q_dot = 0 if J is
+  /// singular.
   [[nodiscard]] bool joint_rates(const Twist& V_WH, JointVector& q_dot) const noexcept;
 
  private:

@@ -16,7 +16,7 @@ Pose joint_motion(DeviceJointKind kind, const Vec3& axis, Real q) noexcept {
   return {Vec3::Zero(), Quat(Eigen::AngleAxis<Real>(q, axis))};
 }
 
-// 0 where there is no such joint, else its index plus 1.
+// Returns the joint's index plus 1; 0 if it does not exist.
 std::size_t link_of(std::span<const DeviceJoint> joints, const std::string& name) noexcept {
   const auto found = std::ranges::find(joints, name, &DeviceJoint::name);
   return found == joints.end() ? 0 : static_cast<std::size_t>(found - joints.begin()) + 1;
@@ -33,7 +33,7 @@ std::optional<std::size_t> parent_link(std::span<const DeviceJoint> joints, std:
   return link;
 }
 
-// hinge: w = a, v = a x (p_WH - p_WJ);  slider: w = 0, v = a
+// hinge: w = a, v = a x (p_WH - p_WJ); slider: w = 0, v = a
 Twist TreeConfiguration::column(std::size_t handle, std::size_t joint) const noexcept {
   const Joint& j = joints_[joint];
   if (!j.hinge) return {Vec3::Zero(), j.axis_W};

@@ -1,4 +1,4 @@
-// The device's kinematic tree: from joint coordinates to the handles and back.
+// Kinematic tree of the device: maps joint coordinates to handles and wrenches to joint torques.
 #pragma once
 
 #include <array>
@@ -14,9 +14,9 @@ namespace godobject {
 inline constexpr std::size_t max_joints = 16;
 inline constexpr std::size_t max_handles = 8;
 
-/// One number per joint, in the order of the parameters (rad or m, their rates, N m or N). On the stack.
+/// One number per joint, in the order of the parameters (rad or m, their rates, N m or N). Stored in place.
 using JointVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, Eigen::ColMajor, static_cast<int>(max_joints), 1>;
-/// 6 x n: V_WH = J q_dot, rows angular first. On the stack.
+/// 6 x n: V_WH = J q_dot, angular rows first. Stored in place.
 using HandleJacobian =
     Eigen::Matrix<Real, 6, Eigen::Dynamic, Eigen::ColMajor, 6, static_cast<int>(max_joints)>;
 
@@ -26,24 +26,24 @@ struct JointTarget {
   JointVector q_dot;
 };
 
-/// The link that joint `index` sits on: 0 is the base, k + 1 the link of joint k. None where the parent is
-/// not an earlier joint.
+/// Returns the parent link of joint `index`: 0 is the base, k + 1 the link of joint k. Returns nullopt if the
+/// parent is no earlier joint.
 std::optional<std::size_t> parent_link(std::span<const DeviceJoint> joints, std::size_t index) noexcept;
 
-/// The tree at one configuration: everything the loop needs of it. Handles and joints are counted as in the
-/// parameters. World axes throughout; twists and wrenches are those of the handle's origin.
+/// The tree at one configuration. Handles and joints are indexed as in the parameters. World axes throughout;
+/// twists and wrenches refer to the handle's origin.
 class TreeConfiguration {
  public:
   std::size_t num_joints() const noexcept { return num_joints_; }
   std::size_t num_handles() const noexcept { return num_handles_; }
 
   const Pose& X_WH(std::size_t handle) const noexcept { return handles_[handle].X_WH; }
-  /// Geometric Jacobian; the column of a joint that does not move the handle is zero.
+  /// Returns the geometric Jacobian; the column of a joint that does not move the handle is zero.
   HandleJacobian jacobian(std::size_t handle) const noexcept;
-  /// V_WH = J q_dot
+  /// Returns V_WH = J q_dot.
   Twist twist(std::size_t handle, const JointVector& q_dot) const noexcept;
-  /// tau = sum over the handles of J^T F: the wrenches of (8), moved to the parents by (9) and projected on
-  /// the joint axes. F_H_W: one per handle; handles without one are not loaded, further ones are ignored.
+  /// Returns tau = sum over the handles of J^T F: the wrenches of (8), shifted to the parents by (9) and
+  /// projected on the joint axes. F_H_W: one per handle; missing ones are zero, surplus ones are ignored.
   JointVector joint_torques(std::span<const Wrench> F_H_W) const noexcept;
 
  private:
@@ -55,7 +55,7 @@ class TreeConfiguration {
   };
   struct Handle {
     Pose X_WH;
-    std::uint32_t movers = 0;  // bit j: joint j moves it
+    std::uint32_t movers = 0;  // bit j: joint j moves the handle
   };
 
   bool moves(std::size_t joint, std::size_t handle) const noexcept {
@@ -70,23 +70,23 @@ class TreeConfiguration {
 
 class KinematicTree {
  public:
-  /// tree: as Rig's validation wants it; joints and handles beyond the capacities are ignored, what names no
-  /// earlier joint hangs on the base.
+  /// tree: valid by Rig's validation. Joints and handles beyond the capacities are ignored; an invalid parent
+  /// is replaced by the base.
   explicit KinematicTree(const KinematicTreeParams& tree) noexcept;
 
   std::size_t num_joints() const noexcept { return num_joints_; }
   std::size_t num_handles() const noexcept { return num_handles_; }
-  /// Whether the handle depends on the joint's coordinate.
+  /// True if the handle depends on the joint's coordinate.
   bool moves(std::size_t joint, std::size_t handle) const noexcept {
     return (handles_[handle].movers >> joint & 1u) != 0;
   }
-  /// q: num_joints() numbers.
+  /// Returns the tree at a configuration. q: num_joints() coordinates, rad or m.
   TreeConfiguration at(const JointVector& q) const noexcept;
 
  private:
   struct Joint {
     DeviceJointKind kind = DeviceJointKind::hinge;
-    std::size_t parent_link = 0;  // as parent_link() counts
+    std::size_t parent_link = 0;  // numbered as by parent_link()
     Pose X_PJ;
     Vec3 axis_J = Vec3::UnitZ();
   };

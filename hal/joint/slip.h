@@ -1,4 +1,4 @@
-// How far a drive's position may part from the encoder on its joint before one of them is taken for wrong.
+// Allowed difference between a drive's position and the encoder on its joint, before a fault is reported.
 #pragma once
 
 #include <algorithm>
@@ -7,15 +7,15 @@
 
 namespace godobject {
 
-// The slack of belts, cables and gears where the scene does not say.
+// Slack of belts, cables and gears, unless given in the scene.
 inline constexpr double hinge_slack_rad = 0.05;
 inline constexpr double slider_slack_m = 0.005;
-/// Counts of each sensor that a slip may be: it rounds, and so does what it is compared with.
+/// Counts of each sensor added to the slack, because both sensors round.
 inline constexpr double slip_counts = 2;
 
-/// rad or m; 0: the two are not compared, or the joint has no encoder. max_slip, else the slack of the joint's kind and
-/// what the two sensors cannot tell apart. While the joint moves its travel in stale_after comes on top: a sample may
-/// be that late without being a fault.
+/// Returns the allowed slip, rad or m; 0 if the two are not compared or the joint has no encoder. It is
+/// max_slip, otherwise the slack for the joint's kind plus the resolution of both sensors. While the joint
+/// moves, the caller adds its travel in stale_after, because a sample may legitimately be that late.
 inline double allowed_slip(const RigParams& rig, const DriveParams& drive) {
   const auto encoder = std::ranges::find(rig.encoders, drive.joint, &EncoderParams::joint);
   if (encoder == rig.encoders.end()) return 0;

@@ -25,7 +25,8 @@ SyncAttribution::Answer SyncAttribution::on_frame(const ReceivedFrame& received)
   return {.sync = num_syncs_ - 1, .t_ns = std::min(previous_end_ns_, start_ns)};
 }
 
-// Receivers take a frame, and stamp it, at its end: before the intermission.
+// Returns the time of a frame on the wire without intermission: receivers accept and stamp a frame at its
+// end.
 Nanoseconds SyncAttribution::wire_time(const CanFrame& frame) const noexcept {
   FrameBits bits = frame.fd ? nominal_bits(frame) : exact_bits(frame);
   bits.nominal_rate -= intermission_bits;

@@ -1,4 +1,4 @@
-// Which SYNC a received frame answers, and when the nodes took the sample in it. One object per bus.
+// Attributes a received frame to a SYNC and determines its sampling time. One object per bus.
 #pragma once
 
 #include "hal/can/timing.h"
@@ -7,34 +7,34 @@
 
 namespace godobject {
 
-/// Where there is no SYNC the first request of a cycle stands for it; its answers are taken for measured when it
-/// ended, or when they began, should that be earlier.
+/// Without SYNC, the first request of a cycle takes its place. Its answers count as sampled at its end, or at
+/// their own beginning if that is earlier.
 ///
-/// From the times at which SYNCs were queued and the receive stamps alone: there is no transmit confirmation.
+/// Input are only the queue times of SYNCs and the receive stamps, because there is no transmit confirmation.
 ///
-/// The nodes sample when SYNC ends on the wire. That is no earlier than its queue time plus its duration, so
-/// a frame that began before then cannot answer it: it answers the SYNC before. Such a frame also held the
-/// wire: SYNC came after it, by up to the longest frame, 135 us at 1 Mbit/s. Any other frame is taken for an
-/// answer to the SYNC queued last.
+/// Nodes sample at the end of SYNC on the wire. That is at least its queue time plus its duration. A frame
+/// that began earlier therefore answers the previous SYNC. Such a frame also occupied the wire: SYNC followed
+/// it, delayed by at most the longest frame, 135 us at 1 Mbit/s. Any other frame counts as an answer to the
+/// last queued SYNC.
 ///
-/// Stamps that are late (taken by software) move both estimates later, never past the beginning of the
-/// answer; a true answer is never booked to the SYNC before. What stamps cannot tell: that SYNC waited for a
-/// frame of the host's own, or behind such frames in a controller that keeps the order of its queue. Answers
-/// to the SYNC before that begin in that time are booked to the new one.
+/// Late (software) stamps move both estimates later, never past the beginning of the answer; a true answer is
+/// never attributed to the previous SYNC. Stamps cannot show that SYNC waited for a frame of the host itself,
+/// or behind such frames in a controller with a FIFO queue. Answers to the previous SYNC that begin in this
+/// time are attributed to the new one.
 class SyncAttribution {
  public:
   struct Answer {
     std::uint64_t sync = 0;  // counted from 1; 0: none was queued before the frame began
-    Nanoseconds t_ns = 0;    // end of that SYNC on the wire: when the sample was taken
+    Nanoseconds t_ns = 0;    // end of that SYNC on the wire, which is the sampling time
   };
 
   explicit SyncAttribution(const BusParams& bus) noexcept;
 
-  /// sync: the frame that asks; the first of its cycle.
+  /// Records a queued SYNC. sync: the requesting frame, first of its cycle.
   void sync_queued(Nanoseconds now, const CanFrame& sync = canopen::make_sync()) noexcept;
-  /// To be called with every frame received, of whatever node, in the order of the stamps. FD frames answer
-  /// nothing where the bus has no data rate; their stuffing is not known, so that they seem to begin up to a
-  /// few us late.
+  /// Attributes a frame. Call it with every received frame, of any node, in the order of the stamps. FD
+  /// frames answer no SYNC if the bus has no data rate. Their stuffing is unknown; their computed beginning
+  /// is up to a few us late.
   Answer on_frame(const ReceivedFrame& received) noexcept;
 
   std::uint64_t num_syncs() const noexcept { return num_syncs_; }
@@ -47,8 +47,8 @@ class SyncAttribution {
   Nanoseconds sync_wire_time_ns_ = 0;
   Nanoseconds intermission_ns_;
   std::uint64_t num_syncs_ = 0;
-  Nanoseconds earliest_end_ns_ = 0;               // of the SYNC queued last, had the wire been free
-  Nanoseconds end_ns_ = 0, previous_end_ns_ = 0;  // of the last two, best estimate
+  Nanoseconds earliest_end_ns_ = 0;               // end of the last queued SYNC, for a free wire
+  Nanoseconds end_ns_ = 0, previous_end_ns_ = 0;  // ends of the last two SYNCs, best estimate
 };
 
 }  // namespace godobject

@@ -17,15 +17,15 @@ namespace godobject {
 
 class VelocityEstimator {
  public:
-  static constexpr std::size_t capacity = 16;  // samples, that is a window of at most 15 periods
+  static constexpr std::size_t capacity = 16;  // samples; the window has at most 15 periods
 
-  /// noise_band: half width of the band round the line (unit of q), one quantum of the encoder.
+  /// noise_band: half width of the band around the line (unit of q), one quantum of the encoder.
   explicit VelocityEstimator(double noise_band) noexcept : noise_band_(noise_band * (1 + 1e-9)) {}
 
   void reset() noexcept { size_ = 0; }
 
-  /// Adds q measured at t_ns (later than every earlier sample, spacing free) and returns dq/dt; 0 for
-  /// the first sample. Work is bounded by capacity^2 / 2 multiplications.
+  /// Adds a sample and returns dq/dt; 0 for the first. q: rad or m. t_ns: sampling time, ns, later than all
+  /// before, any spacing. Work is bounded by capacity^2 / 2 multiplications.
   double update(double q, Nanoseconds t_ns) noexcept {
     newest_ = (newest_ + 1) % capacity;
     history_[newest_] = {q, t_ns};
@@ -44,7 +44,7 @@ class VelocityEstimator {
   };
   using Window = std::array<Point, capacity>;
 
-  // The sample `back` periods ago, relative to the newest: x (unit of q), t (s, <= 0).
+  // Sample `back` periods ago, relative to the newest: x (unit of q), t (s, <= 0).
   struct Relative {
     double x, t;
   };

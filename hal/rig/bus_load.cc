@@ -12,7 +12,7 @@
 namespace godobject {
 namespace {
 
-/// The messages of one bus.
+/// Collects the messages of one bus.
 class Messages {
  public:
   Messages(const BusParams& bus, const RigParams& rig, const BusLoadParams& params)
@@ -46,7 +46,7 @@ class Messages {
   }
 
   BusLoad sum(const std::string& name) && {
-    // arbitration compares the first 11 bits, then a standard frame goes before an extended one
+    // arbitration compares the first 11 bits, then a standard frame precedes an extended one
     std::ranges::stable_sort(messages_, {}, [](const BusMessage& m) {
       return m.extended ? std::tuple(m.cob_id >> 18, 1, m.cob_id & 0x3FFFFu) : std::tuple(m.cob_id, 0, 0u);
     });
@@ -60,7 +60,7 @@ class Messages {
   }
 
  private:
-  /// Period 0: never sent.
+  /// Adds a cyclic message. period_s: s; 0: never sent.
   void add(std::string name, const CanFrame& frame, double period_s) {
     if (!(period_s > 0)) return;
     const FrameBits nominal = nominal_bits(frame), worst = worst_bits(frame);
@@ -113,10 +113,10 @@ std::vector<BusLoad> bus_load(const RigParams& rig, const BusLoadParams& params)
 
 BusLoadParams usual_load(const RigParams& rig) noexcept {
   constexpr double usual_s = 0.1;
-  constexpr double resolution_s = 1e-3;  // of object 1017h
-  constexpr double per_timeout = 5;      // the slowest node still sends two
+  constexpr double resolution_s = 1e-3;  // resolution of object 1017h
+  constexpr double per_timeout = 5;      // even the slowest node then sends two per timeout
   BusLoadParams load;
-  // the host's may be fast for the sake of drives that watch it: the nodes' need not
+  // the host's heartbeat may be fast for drives that supervise it; those of the nodes need not be
   const double period_s = std::max(usual_s, rig.heartbeat_period_s);
   load.heartbeat_period_s = std::max(resolution_s, std::min(period_s, rig.heartbeat_timeout_s / per_timeout));
   load.host_heartbeat_period_s = std::min(rig.heartbeat_period_s, load.heartbeat_period_s);

@@ -15,57 +15,55 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
     {RigFault::boot_timeout, "boot_timeout",
      "a node did not become operational, or a drive not enabled, within boot_timeout",
      "check power, cable, node id, bit rate; raise boot_timeout for a slow device"},
-    {RigFault::heartbeat_lost, "heartbeat_lost", "a node's heartbeat stayed away for heartbeat_timeout",
+    {RigFault::heartbeat_lost, "heartbeat_lost", "no heartbeat of a node arrived for heartbeat_timeout",
      "check power and cable; set the node's 1017h well below heartbeat_timeout"},
     {RigFault::node_restarted, "node_restarted",
      "a node re-booted or left Operational while the rig was running",
      "check its supply voltage; then clear the faults and arm again"},
     {RigFault::emergency, "emergency", "a node sent an emergency message (EMCY)",
      "look the code up in the device's manual, remove the cause, clear the faults"},
-    {RigFault::sample_stale, "sample_stale", "a joint has had no good sample for longer than lost_after",
+    {RigFault::sample_stale, "sample_stale", "a joint had no valid sample for longer than lost_after",
      "check the encoder's cable and that its position PDO answers every SYNC; check the bus load"},
     {RigFault::sample_implausible, "sample_implausible",
      "a joint sensor jumped faster than its max_speed allows",
      "check shielding, counts_per_unit and modulus_counts; raise max_speed if the motion was real"},
-    {RigFault::drive_silent, "drive_silent", "a drive's status has not come for longer than lost_after",
+    {RigFault::drive_silent, "drive_silent", "no status of a drive arrived for longer than lost_after",
      "check the drive's cable, its TPDO1 and status_every_nth_sync; check the bus load"},
     {RigFault::drive_not_enabled, "drive_not_enabled",
      "a drive left Operation Enabled (moteus: mode 10, ODrive: closed loop), or does not follow its command",
      "read its error code (CiA 402: 603Fh), remove the cause, clear the faults and arm again"},
     {RigFault::bus_down, "bus_down", "a bus is closed, bus-off or gone",
      "check adapter, cable, termination and bit rate; wait for the bus to recover, clear the faults"},
-    {RigFault::send_refused, "send_refused",
-     "the transmit queue of a bus refused frames several times in a row",
+    {RigFault::send_refused, "send_refused", "the transmit queue of a bus refused three consecutive frames",
      "lower the bus load; check that another node acknowledges the frames"},
     {RigFault::command_not_finite, "command_not_finite", "the commanded wrench was not a finite number",
-     "a defect of the caller: look at the faults of the simulation"},
-    {RigFault::drive_error, "drive_error",
-     "a drive reported an error of its own, without an emergency message",
+     "read the faults of the simulation; without any it is a defect of the caller"},
+    {RigFault::drive_error, "drive_error", "a drive reported an error without an emergency message",
      "look the code up in the drive's manual, remove the cause, clear the faults"},
     {RigFault::quick_stop, "quick_stop", "the motors were stopped on request",
      "clear the faults and arm again when it is safe"},
     {RigFault::sensors_disagree, "sensors_disagree",
-     "a drive's position and the encoder on its joint have parted by more than its max_slip for longer than "
+     "the position of a drive and the encoder on its joint differ by more than max_slip for longer than "
      "stale_after",
-     "see which of them stands still: encoder, its coupling, a belt or cable that slips; counts per unit of "
-     "both"},
+     "check for a stuck encoder, its coupling, a slipping belt or cable, and counts per unit of both"},
     {RigFault::second_host, "second_host",
-     "another host sends on a bus what only this one should: SYNC, NMT, the host's heartbeat or a drive's "
+     "another host sends frames that only this one may send: SYNC, NMT, the host's heartbeat or a drive's "
      "commands",
-     "end the other program or take the other master off the bus; see that no node sends SYNC (1005h), "
-     "starts others (1F80h) or has the host's node id"},
+     "end the other program or disconnect the other master; check that no node sends SYNC (1005h), starts "
+     "others (1F80h) or has the host's node id"},
     {RigFault::deadlines_missed, "deadlines_missed",
-     "the host missed 20 deadlines in a row: for so long no command was given",
-     "look at what else runs on this machine and at the real-time set-up; then clear the faults and arm "
+     "the host missed 20 consecutive deadlines and gave no command in that time",
+     "end other programs on this machine and check the real-time set-up; then clear the faults and arm "
      "again"},
     {RigFault::force_oscillates, "force_oscillates",
-     "the force shown to the hand, or a motor's command, swung between its bounds for 0.5 s",
-     "the feedback is unstable on this device: godobject check prints the margin of each axis and what to "
-     "lower"},
+     "the displayed force, or a motor's command, oscillated between its bounds for 0.5 s",
+     "the feedback is unstable on this device: lower the gains that godobject check names with the margin of "
+     "each axis"},
     {RigFault::energy_gained, "energy_gained",
-     "the simulated scene gained energy that nobody gave it: its forces are no longer those of what it "
-     "simulates",
-     "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"},
+     "the scene's total energy rose by more than 1 % within 1 s without external work; its forces are not "
+     "valid from then on",
+     "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
+     "tool"},
 }};
 
 }  // namespace

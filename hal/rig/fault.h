@@ -1,4 +1,4 @@
-// What can go wrong with a rig: bits, names, and what the user reads about them.
+// Faults of a rig: bits, names and texts for the user.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace godobject {
 
-/// Sticky bits; several can be set. The one-line meaning and remedy of each are in rig_fault_texts().
+/// Sticky bits; several can be set. rig_fault_texts() has meaning and remedy of each.
 enum class RigFault : std::uint32_t {
   none = 0,
   boot_timeout = 1u << 0,
@@ -51,18 +51,18 @@ struct RigFaultText {
   std::string_view remedy;
 };
 
-/// In the order of the bits.
+/// Returns the texts in the order of the bits.
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept;
-/// fault: a single bit.
+/// Returns the text of a fault. fault: a single bit.
 const RigFaultText& text_of(RigFault fault) noexcept;
 
-/// Where a fault came up.
+/// Place of a fault.
 struct RigFaultPlace {
   RigFault fault = RigFault::none;   // a single bit
-  std::optional<std::size_t> bus{};  // none: the fault is of the host, not of a bus
+  std::optional<std::size_t> bus{};  // none: fault of the host, not of a bus
   std::uint8_t node_id = 0;          // 0: no single node
-  std::uint16_t emcy_code = 0;       // of an emergency
-  std::uint32_t drive_code = 0;      // of a drive_error, in the drive's own numbers
+  std::uint16_t emcy_code = 0;       // code of an emergency
+  std::uint32_t drive_code = 0;      // code of a drive_error, drive-specific
 
   bool operator==(const RigFaultPlace&) const = default;
 };
@@ -74,46 +74,46 @@ struct MalformedFrame {
   ParseResult why = ParseResult::ok;
 };
 
-/// A node as the host has heard it.
+/// State of a node as received by the host.
 struct NodeEvidence {
-  bool heard = false;   // a heartbeat, or the message that stands for it
+  bool heard = false;   // a heartbeat, or the message that replaces it, was received
   bool silent = false;  // none for heartbeat_timeout
   std::uint8_t nmt_state = 0;
-  bool answered = false;                        // its PDO, or an answer to a request, has come
-  std::uint32_t own_state = 0, error_code = 0;  // of a drive: DriveTelemetry
+  bool answered = false;                        // its PDO or an answer to a request was received
+  std::uint32_t own_state = 0, error_code = 0;  // DriveTelemetry of a drive
   bool has_own_state = false;
   std::uint64_t malformed = 0;  // frames since the rig began
   MalformedFrame last_malformed{};
 };
 
-/// A place, and what showed the fault there first.
+/// A place and the first evidence of the fault there.
 struct RigFaultRecord {
   RigFaultPlace place;
   Nanoseconds t_ns = 0;          // bus time
-  std::uint32_t identifier = 0;  // of the frame, of a second_host
-  NodeEvidence evidence{};       // of the place's node, if it has one
+  std::uint32_t identifier = 0;  // identifier of the frame, for a second_host
+  NodeEvidence evidence{};       // evidence for the place's node, if any
 };
 
-/// The sticky bits, and every place at which they came up since they were cleared last. Of fixed size.
+/// Sticky bits, and every place at which they were raised since the last clear. Of fixed size.
 class RigFaultLog {
  public:
-  /// No place is left out where all of a device with two buses of 32 nodes each fails in two ways.
+  /// Suffices for all devices of two buses with 32 nodes each, failing in two ways.
   static constexpr std::size_t capacity = 128;
 
-  /// Sets the bit and notes the place. False where that was known already.
+  /// Sets the bit and records the place. Returns false if the place was recorded already.
   bool raise(const RigFaultPlace& place, Nanoseconds now, std::uint32_t identifier = 0,
              const NodeEvidence& evidence = {}) noexcept;
-  /// Clears the bits and the places; the counts stay.
+  /// Clears bits and places; keeps the counts.
   void clear() noexcept;
 
   RigFault faults() const noexcept { return faults_; }
-  /// In the order in which they came up: the cause before what follows from it.
+  /// Returns the records in the order in which they were raised: a cause before its consequences.
   std::span<const RigFaultRecord> records() const noexcept { return std::span(records_).first(num_records_); }
-  /// The first place at which a single bit came up; an empty one where it is not set.
+  /// Returns the first record of a single bit; an empty one if the bit is not set.
   RigFaultRecord first(RigFault fault) const noexcept;
-  /// Places for which there was no room.
+  /// Returns the number of places dropped at full capacity.
   std::uint64_t left_out() const noexcept { return left_out_; }
-  /// Times that a single bit was set, since construction.
+  /// Returns how often a single bit was set since construction.
   std::uint64_t count(RigFault fault) const noexcept;
 
  private:

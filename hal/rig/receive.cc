@@ -1,4 +1,4 @@
-// Rig: from received frames to nodes, encoders and drives.
+// Rig: decodes received frames for nodes, encoders and drives.
 #include <algorithm>
 
 #include "hal/canopen/cia401.h"
@@ -66,7 +66,7 @@ void Rig::note_malformed(RigNode& node, const CanFrame& frame, ParseResult why) 
   node.last_malformed = {.identifier = frame.id, .size = frame.size, .why = why};
 }
 
-/// What this host alone may send, and it does not hear itself.
+/// True if the frame is one that only this host may send. The host does not receive its own frames.
 bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
   const Bus& on = buses_[bus];
   if (on.protocol.canopen && canopen::is_from_master(frame, params_.host_node_id)) {
@@ -86,7 +86,7 @@ void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttributio
   const ParseResult result = cia406::parse_position(frame, node.id, position_counts);
   if (result != ParseResult::ok) return note_malformed(node, frame, result);
   node.answered = true;
-  // a frame that came twice is no second measurement: its time is, and that would make it a jump
+  // a repeated frame is no second measurement: its time differs, which would appear as a jump
   if (answer.sync <= encoder.answered_sync) {
     ++counters_.repeated;
     return;
@@ -112,7 +112,7 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
   node.heartbeat_ns = now;
 }
 
-// What a CANopen drive has sent as EMCY needs no second name.
+// Raises drive_error, unless the CANopen drive has sent an EMCY for it.
 void Rig::check_drive_error(const DriveOnBus& drive) noexcept {
   const RigNode& node = nodes_[drive.node];
   const std::uint32_t error_code = drive.drive.error_code();
@@ -152,7 +152,7 @@ void Rig::on_emergency(RigNode& node, const CanFrame& frame) noexcept {
   canopen::Emergency emergency;
   const ParseResult result = canopen::parse_emergency(frame, emergency);
   if (result != ParseResult::ok) return note_malformed(node, frame, result);
-  // while booting, nodes report what happened before; what still holds shows in their state
+  // while booting, nodes report past errors; those that persist appear in their state
   if (nodes_were_up() && emergency.error_code != canopen::emcy_no_error)
     raise({.fault = RigFault::emergency,
            .bus = node.bus,

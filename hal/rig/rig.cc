@@ -36,7 +36,7 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
                        .max_slip = allowed_slip(params, drive)});
   }
   add_buttons();
-  // an encoder on the joint goes before the drive's own position
+  // an encoder on the joint takes precedence over the drive's position
   for (DriveOnBus& drive : drives_) {
     sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
     measured_[static_cast<std::size_t>(drive.joint)].every_nth_sync = drive.every_nth_sync;
@@ -56,7 +56,7 @@ std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::
   return nodes_.size() - 1;
 }
 
-// Several buttons may be bits of one node.
+// Adds the buttons. Several buttons may be bits of one node.
 void Rig::add_buttons() {
   for (const ButtonParams& button : params_.buttons) {
     const std::size_t known = buses_[button.bus].node_of_id[button.node_id];
@@ -141,7 +141,7 @@ void Rig::sync(Nanoseconds now) noexcept {
   }
 }
 
-// SYNC, or the requests; true when the cycle has begun on this bus.
+// Queues SYNC or the requests. Returns true if the cycle has begun on this bus.
 bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   if (buses_[bus].protocol.canopen) {
     const bool queued = send(bus, canopen::make_sync());
@@ -165,7 +165,7 @@ bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
 bool Rig::complete() const noexcept {
   const auto last_sync = [this](std::size_t node) { return buses_[nodes_[node].bus].syncs.num_syncs(); };
   const auto encoder_answered = [&](const EncoderOnBus& e) { return e.answered_sync == last_sync(e.node); };
-  // a drive may leave out every_nth_sync - 1 of them, in a phase of its own
+  // a drive may skip every_nth_sync - 1 of them, in its own phase
   const auto drive_answered = [&](const DriveOnBus& d) {
     return last_sync(d.node) - d.answered_sync < d.every_nth_sync;
   };
@@ -178,7 +178,7 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   DeviceSample out;
   out.q.resize(n);
   out.q_dot.resize(n);
-  // where a sensor jumped is not where the hand is: the last good pose stands until the fault is cleared
+  // after a jump the sensor does not show the hand: the last good pose is held until the fault is cleared
   out.valid = !any(faults() & RigFault::sample_implausible) &&
               std::ranges::none_of(drives_, [now](const DriveOnBus& d) { return d.drive.silent(now); });
   out.fresh = true;
@@ -261,7 +261,7 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
     return true;
   }
   ++to.refused_in_a_row;
-  // what a bus that is cut off refuses is told by bus_down
+  // refusals of a bus that is cut off are reported by bus_down
   if (to.refused_in_a_row >= max_refused_in_a_row && !is_cut_off(to.bus->state()))
     raise({.fault = RigFault::send_refused, .bus = bus});
   return false;

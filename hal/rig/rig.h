@@ -1,12 +1,9 @@
-// A device on its buses: boots the nodes, reads the handles' poses from the joint sensors, sends joint torques to the
-// drives. Every cycle, in this order: sync(now); receive(now) until complete() or the caller's deadline; read(now);
-// command(F, now). Nothing here waits, allocates after construction, throws or reads a clock; the caller owns the buses.
-// A bus speaks one protocol, that of its drives (hal/drive/link.h). CANopen buses, also those without a drive, have SYNC,
-// NMT and heartbeats; on any other the drives are asked one by one and supervised by their answers.
-//
-// The room: params.h and validate.h say what a rig is, node.h and fault.h what it knows of its nodes, link.h what
-// brings its buses, bus_load.h what they carry; receive.cc, supervise.cc and rig_text.cc are parts of Rig;
-// swing_watch.h watches commands for oscillation.
+// A device on its buses: boots the nodes, reads the handles' poses from the joint sensors, sends joint
+// torques to the drives. Each cycle, in this order: sync(now); receive(now) until complete() or the caller's
+// deadline; read(now); command(F, now). No function waits, throws, reads a clock or allocates after
+// construction. The caller owns the buses. A bus has one protocol, that of its drives (hal/drive/link.h).
+// CANopen buses, also those without a drive, have SYNC, NMT and heartbeats. On other buses each drive
+// receives a request and is supervised by its answers.
 #pragma once
 
 #include <array>
@@ -29,34 +26,34 @@ namespace godobject {
 
 enum class RigState : std::uint8_t {
   off,       // nothing is sent
-  booting,   // waiting for every node to be operational and every sensor to have spoken
-  enabling,  // drives on their way to enabled, then some cycles there; target torque 0
-  ready,     // all of it works; torque 0
+  booting,   // waiting until every node is operational and every sensor has sent a sample
+  enabling,  // drives on their way to enabled, then settle_cycles there; target torque 0
+  ready,     // everything works; torque 0
   armed,     // torque follows command()
-  fault,     // a fault bit is set; torque runs down to 0 and stays there
+  fault,     // a fault bit is set; torque ramps down to 0 and stays there
 };
 
-/// What the user presses. Without such a button: false.
+/// Pressed buttons; false without such a button.
 struct DeviceButtons {
   bool hold = false;
   bool clutch = false;
 };
 
-/// The device as the joint sensors have it.
+/// State of the device by its joint sensors.
 struct DeviceSample {
-  std::array<Target, max_handles>
-      handles{};         // the first num_handles() of them; stale joints count as at rest
+  // The first num_handles() are used; stale joints count as at rest.
+  std::array<Target, max_handles> handles{};
   JointVector q, q_dot;  // one number per joint
   DeviceButtons buttons;
-  bool valid =
-      false;  // every joint's sample is good, and every drive was heard; else the last good values are held
-  bool fresh = false;    // every joint was measured anew since the read() before, as far as that was due
-  Nanoseconds t_ns = 0;  // of the oldest joint sample
-  Nanoseconds age = 0;   // of the oldest joint sample, at the time of read()
+  // Every joint's sample is good and every drive was received; otherwise the last good values are held.
+  bool valid = false;
+  bool fresh = false;    // every joint has a new sample since the previous read(), as far as one was due
+  Nanoseconds t_ns = 0;  // time of the oldest joint sample
+  Nanoseconds age = 0;   // age of the oldest joint sample at read()
   RigFault faults = RigFault::none;
 };
 
-/// What became of the commanded wrenches; bit i stands for RigParams::drives[i].
+/// Result of command(); bit i refers to RigParams::drives[i].
 struct CommandReport {
   std::uint32_t torque_limited = 0;  // raise torque_max_Nm to allow more
   std::uint32_t rate_limited = 0;    // raise torque_rate_Nm_per_s to allow more
@@ -65,74 +62,75 @@ struct CommandReport {
 };
 
 struct RigCounters {
-  std::uint64_t syncs = 0;             // queued on one bus at least
-  std::uint64_t incomplete_syncs = 0;  // not every expected answer had come before the next SYNC
+  std::uint64_t syncs = 0;             // queued on at least one bus
+  std::uint64_t incomplete_syncs = 0;  // not every expected answer arrived before the next SYNC
   std::uint64_t frames = 0;
   std::uint64_t malformed = 0;          // wrong size or an undefined value
-  std::uint64_t repeated = 0;           // further answers of a joint sensor to the same SYNC: not used
+  std::uint64_t repeated = 0;           // repeated answers of a joint sensor to the same SYNC: not used
   std::uint64_t foreign = 0;            // from no node of this rig
   std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
 };
 
 class Rig {
  public:
-  /// Per bus: bounds the work of a cycle on a bus that babbles.
+  /// Per bus: bounds the work of a cycle on a flooded bus.
   static constexpr int max_frames_per_receive = 512;
-  /// Cycles at zero torque in which every drive must say that it follows its command, before ready.
+  /// Cycles at zero torque in which every drive must report that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
 
-  /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
-  /// Allocates; nothing later does.
+  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates,
+  /// as fault_text() and place_text() do; no other function does.
   Rig(const RigParams& params, std::span<CanBus* const> buses);
   Rig(Rig&&) noexcept = default;
   Rig& operator=(Rig&&) noexcept = default;
 
-  /// off -> booting: NMT start to all nodes.
+  /// off -> booting: sends NMT start to all nodes.
   void start(Nanoseconds now) noexcept;
-  /// ready -> armed: from here command() reaches the motors. False in any other state.
+  /// ready -> armed: command() reaches the motors from now on. Returns false in any other state.
   [[nodiscard]] bool arm() noexcept;
-  /// armed -> ready: torque runs down to 0 at the slew limit.
+  /// armed -> ready: torque ramps down to 0 at the slew limit.
   void disarm() noexcept;
-  /// fault -> booting: sticky bits cleared; the way to armed is walked again, with an explicit arm().
+  /// fault -> booting: clears the sticky bits; armed again only after boot and an explicit arm().
   void clear_faults(Nanoseconds now) noexcept;
-  /// any but off -> fault: the next command() has every drive stop by its own fastest means (CiA 402: quick
-  /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() is the way back.
+  /// any but off -> fault: the next command() stops every drive by its own fastest means (CiA 402: quick
+  /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() recovers.
   void quick_stop() noexcept;
-  /// any but off -> fault: the host was too late too often.
+  /// any but off -> fault: the host missed too many deadlines.
   void deadlines_missed() noexcept;
-  /// armed -> fault: what command() is told swings between its bounds; in the command of this drive, if it is
-  /// known.
+  /// armed -> fault: the wrench passed to command() swings between its bounds. drive: the drive whose command
+  /// swings, if known.
   void force_oscillates(std::optional<std::size_t> drive) noexcept;
-  /// The scene that the hand feels has gained energy that nobody gave it.
+  /// any but off -> fault: the displayed scene gained energy without external work.
   void energy_gained() noexcept;
   /// any -> off: drives disabled, nodes pre-operational.
   void stop() noexcept;
 
-  /// SYNC on every bus, or a request to each drive where its protocol has none: the first frames of the cycle.
-  /// Positions are measured when it ends. now: in the clock of the buses' receive stamps. A bus that refuses
-  /// it has no SYNC in this cycle.
+  /// Sends the first frames of the cycle: SYNC on every bus, or a request to each drive if its protocol has
+  /// no SYNC. Positions are sampled at their end. now: in the clock of the buses' receive stamps, ns. A bus
+  /// that refuses the frame has no SYNC in this cycle.
   void sync(Nanoseconds now) noexcept;
-  /// Decodes what has arrived so far, up to max_frames_per_receive on each bus; the next call carries on.
+  /// Decodes received frames, up to max_frames_per_receive per bus; the next call continues.
   void receive(Nanoseconds now) noexcept;
-  /// Every answer expected to the last SYNC of each bus has arrived.
+  /// True if every answer expected to the last SYNC of each bus has arrived.
   bool complete() const noexcept;
-  /// Supervises (state changes and faults happen here, once the answers are in: a host that woke late is
-  /// no fault of the device), then gives the handles.
+  /// Supervises, then returns the handles. State changes and faults happen here, after the answers are in,
+  /// because a late host is no fault of the device.
   DeviceSample read(Nanoseconds now) noexcept;
-  /// F_hand_W: for each handle the wrench of the device on the hand, world axes, about the handle's origin;
-  /// handles beyond its end get none. tau = sum of J^T F at the pose of the last read(), one command to every
-  /// drive; what falls on a joint without a drive is not shown. Zero unless armed. Call it in every cycle
-  /// and state: it also carries the controlwords.
+  /// Sends one command to every drive: tau = sum of J^T F at the pose of the last read(), zero unless armed.
+  /// F_hand_W: wrench of the device on the hand for each handle, world axes, about the handle's origin, N m
+  /// and N; missing ones are zero. Components on joints without a drive are not displayed. Call it in every
+  /// cycle and state: it also carries the controlwords.
   CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept;
 
   RigState state() const noexcept { return state_; }
   bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }
   RigFault faults() const noexcept { return fault_log_.faults(); }
   const RigFaultLog& fault_log() const noexcept { return fault_log_; }
-  /// The set faults in words, one line for each place, in the order in which they came up: name, bus, node, meaning,
-  /// remedy. Not for the loop: allocates.
+  /// Returns the text of the set faults, one line per place, in the order in which they were raised: name,
+  /// bus, node, meaning, remedy. Not for the loop: allocates.
   std::string fault_text() const;
-  /// Where: "can0 node 4, drive of elbow". Any thread: it is of the parameters alone. Allocates.
+  /// Returns a place: "can0 node 4, drive of elbow". Thread-safe: it depends on the parameters only.
+  /// Allocates.
   std::string place_text(const RigFaultRecord& record) const;
   const RigCounters& counters() const noexcept { return counters_; }
 
@@ -142,7 +140,7 @@ class Rig {
   std::size_t num_drives() const noexcept { return drives_.size(); }
   bool has_button(ButtonUse use) const noexcept;
   const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
-  /// The drive's position and torque as it reports them.
+  /// Returns position and torque as reported by the drive.
   DriveFeedback drive_feedback(std::size_t index, Nanoseconds now) const noexcept;
   double commanded_torque_Nm(std::size_t drive) const noexcept {
     return drives_[drive].drive.commanded_torque_Nm();
@@ -160,7 +158,7 @@ class Rig {
     Encoder encoder;
     std::size_t node;
     std::uint64_t answered_sync = 0;
-    Nanoseconds t_good_ns = 0;  // when its sample was last young enough
+    Nanoseconds t_good_ns = 0;  // time of its last valid sample
   };
   struct DriveOnBus {
     Drive drive;
@@ -170,14 +168,14 @@ class Rig {
     std::uint64_t answered_sync = 0;
     bool request_refused = false;  // in this cycle
     double max_slip = 0;           // rad or m; 0: not compared with an encoder
-    double apart = 0;              // the joint's encoder minus its position, as it was before ready; rad or m
-    Nanoseconds t_agreed_ns = 0;   // when they were last as far apart as that
-    Nanoseconds t_good_ns = 0;     // when its status was last young enough
+    double apart = 0;              // the joint's encoder minus its position, as before ready; rad or m
+    Nanoseconds t_agreed_ns = 0;   // time of the last difference within max_slip
+    Nanoseconds t_good_ns = 0;     // time of its last valid status
     // While enabling:
-    bool was_well = false;                     // it has been seen out of fault
+    bool was_well = false;                     // the drive was out of fault
     bool was_powered = false;                  // its power stage was on
-    std::uint32_t error_code_before = 0;       // as it was then
-    std::optional<Nanoseconds> t_failed_ns{};  // it is in fault again, or without power, since then
+    std::uint32_t error_code_before = 0;       // error code at that time
+    std::optional<Nanoseconds> t_failed_ns{};  // since then it has been in fault or without power
   };
   struct ButtonOnBus {
     ButtonParams params;
@@ -231,7 +229,8 @@ class Rig {
   bool booted(const RigNode& node, Nanoseconds now) const noexcept;
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
   bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
-  /// How far it was when the first fault came; without one how far it is. What was there then is still looked after.
+  /// Returns the state in which the first fault was raised; without a fault, the present state. Devices that
+  /// were up then are still supervised.
   RigState reached() const noexcept { return state_ == RigState::fault ? before_fault_ : state_; }
   bool nodes_were_up() const noexcept { return reached() >= RigState::enabling; }
   bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
@@ -246,22 +245,22 @@ class Rig {
   std::vector<EncoderOnBus> encoders_;
   std::vector<DriveOnBus> drives_;
   std::vector<ButtonOnBus> buttons_;
-  /// What measures a joint, and what the last read() had of it.
+  /// Sampling of a joint's sensor, and its state at the last read().
   struct Measured {
     std::uint64_t every_nth_sync = 1;
-    Nanoseconds t_ns = 0;         // of the sample
-    std::uint64_t reads_ago = 0;  // that it was new
+    Nanoseconds t_ns = 0;         // time of the sample
+    std::uint64_t reads_ago = 0;  // number of reads since it was new
   };
-  std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, else its drive's
+  std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
   std::array<Measured, max_joints> measured_{};
 
   RigState state_ = RigState::off;
-  RigState before_fault_ = RigState::off;  // while in fault: the state in which the first one came up
-  Nanoseconds now_ns_ = 0;                 // of the call at hand
+  RigState before_fault_ = RigState::off;  // in fault: the state in which the first fault was raised
+  Nanoseconds now_ns_ = 0;                 // time of the present call
   Nanoseconds boot_started_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;
   int settled_cycles_ = 0;
-  TreeConfiguration configuration_;  // of the last read()
+  TreeConfiguration configuration_;  // tree at the last read()
   RigFaultLog fault_log_;
   RigCounters counters_;
 };

@@ -1,4 +1,4 @@
-// Rig: its faults in words.
+// Rig: texts of its faults.
 #include <iomanip>
 #include <sstream>
 
@@ -22,7 +22,7 @@ const char* why_text(ParseResult why) {
   switch (why) {
     case ParseResult::too_short: return ", which is too short";
     case ParseResult::too_long: return ", which is too long";
-    case ParseResult::bad_value: return ", which has a value that is not defined";
+    case ParseResult::bad_value: return ", which contains an undefined value";
     case ParseResult::ok:
     case ParseResult::other_message: break;
   }
@@ -31,7 +31,7 @@ const char* why_text(ParseResult why) {
 
 const char* nmt_text(std::uint8_t state) {
   switch (static_cast<canopen::NmtState>(state)) {
-    case canopen::NmtState::boot_up: return "booted and went no further";
+    case canopen::NmtState::boot_up: return "has not left its boot-up state";
     case canopen::NmtState::stopped: return "is stopped (NMT)";
     case canopen::NmtState::operational: return "is operational";
     case canopen::NmtState::pre_operational: break;
@@ -39,23 +39,23 @@ const char* nmt_text(std::uint8_t state) {
   return "is pre-operational";
 }
 
-/// Begins with a comma: how far a node came that did not boot.
+/// Returns how far the boot of a node got; begins with a comma.
 std::string boot_text(const NodeEvidence& seen, const RigNode& node) {
-  const char* const heartbeat = node.canopen ? "heartbeat" : "message that it is supervised by";
-  if (!seen.heard && !seen.answered && seen.malformed == 0) return ", nothing was heard of it";
+  const char* const heartbeat = node.canopen ? "heartbeat" : "supervision message";
+  if (!seen.heard && !seen.answered && seen.malformed == 0) return ", no frame of it was received";
   std::string text;
-  if (!seen.heard) text += std::string(", no ") + heartbeat + " was heard";
+  if (!seen.heard) text += std::string(", no ") + heartbeat + " was received";
   else if (node.canopen) text += std::string(", it ") + nmt_text(seen.nmt_state);
-  if (seen.heard && seen.silent) text += std::string(", its ") + heartbeat + " stays away";
+  if (seen.heard && seen.silent) text += std::string(", its ") + heartbeat + " is missing";
   const char* const answer = !node.canopen                   ? "answer to a request"
                              : node.kind == NodeKind::button ? "TPDO1 with its inputs"
                              : node.kind == NodeKind::drive  ? "TPDO1 with its status"
                                                              : "TPDO1 with its position";
-  if (!seen.answered) text += std::string(", no ") + answer + " has come";
+  if (!seen.answered) text += std::string(", no ") + answer + " was received";
   return text;
 }
 
-/// Begins with a comma: state and error of a drive in its protocol's words.
+/// Returns state and error of a drive in the terms of its protocol; begins with a comma.
 std::string drive_text(const NodeEvidence& seen, const DriveParams& drive) {
   const BusProtocol protocol = bus_protocol(drive.protocol);
   std::string text;
@@ -76,7 +76,8 @@ std::string Rig::fault_text() const {
   return out.str();
 }
 
-/// Begins with a comma where there is something; of the parameters and the record alone.
+/// Returns the evidence, beginning with a comma, or an empty text. Depends on the parameters and the record
+/// only.
 std::string Rig::evidence_text(const RigFaultRecord& record) const {
   const RigNode* const node = node_at(record.place);
   const RigFault fault = record.place.fault;
@@ -91,7 +92,7 @@ std::string Rig::evidence_text(const RigFaultRecord& record) const {
     text += drive_text(seen, params_.drives[node->device]);
   if (seen.malformed == 0 || any(fault & of_drives)) return text;
   const MalformedFrame& last = seen.last_malformed;
-  text += format(", %llu of its frames were not understood, the last %03X of %d bytes",
+  text += format(", %llu of its frames were invalid, the last %03X of %d bytes",
                  static_cast<unsigned long long>(seen.malformed), last.identifier, int{last.size});
   return text + why_text(last.why);
 }

@@ -1,5 +1,5 @@
-// What a simulated device is made of besides the rig it stands in for: mechanics, wires, faults. Plain values, SI: scene files
-// have them, whether what reads the file simulates or not.
+// Parameters of a simulated device besides the rig that it replaces: mechanics, wires, faults. Plain values,
+// SI. Scene files contain them, even if the reading program does not simulate.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace godobject {
 
-/// Mechanics of a joint of the device, and of the hand that moves it. The defaults are of a turn.
+/// Mechanics of a joint of the device and of the hand that moves it. The defaults are for a hinge.
 struct JointPlant {
   double inertia = 1e-3;       // at the joint, kg m^2 or kg
   double damping = 1e-2;       // viscous, without the hand, N m s/rad or N s/m
   double friction = 1e-3;      // Coulomb, N m or N
-  double hand_stiffness = 20;  // of the user's arm, N m/rad or N/m
-  double hand_damping = 0.5;   // of the user's arm, N m s/rad or N s/m
+  double hand_stiffness = 20;  // stiffness of the user's arm, N m/rad or N/m
+  double hand_damping = 0.5;   // damping of the user's arm, N m s/rad or N s/m
 };
 
-/// Mechanics of the simulated rig behind the bus: those of every joint that has none of its own.
+/// Mechanics of the simulated rig behind the bus: default of every joint without its own entry.
 struct PlantConfig : JointPlant {
   struct OfJoint {
     std::string joint;  // name of a joint of the device
@@ -33,7 +33,7 @@ struct PlantConfig : JointPlant {
   }
 };
 
-/// Faults the simulated wire makes by chance; all zero by default.
+/// Random faults of the simulated wire; all zero by default.
 struct WireConfig {
   std::uint64_t seed = 1;
   double loss_probability = 0;        // per frame
@@ -41,15 +41,15 @@ struct WireConfig {
   double delay_s = 0;                 // added to every frame
 };
 
-/// A fault that the simulated rig plays: what it is, where, and when.
+/// A fault that the simulated rig injects: verb, place and time.
 struct FaultConfig {
   std::string verb;                       // "drop", "unplug", ...: see docs/faults.md
-  std::string bus{};                      // name of a bus; empty: all, or the bus of the node
-  std::optional<std::uint8_t> node_id{};  // of a node on that bus; none: the bus itself
-  std::string tracker{};                  // name of a tracker instead
-  double at = 0;                          // s of the motion
-  std::optional<double> duration{};       // s; none: to the end, or one event where the verb is one
-  double value = 0;                       // the verb's own: probability, s, counts, ppm, code
+  std::string bus{};                      // name of a bus; empty: all buses, or the bus of the node
+  std::optional<std::uint8_t> node_id{};  // node on that bus; none: the bus itself
+  std::string tracker{};                  // name of a tracker, instead of a bus
+  double at = 0;                          // time of the motion, s
+  std::optional<double> duration{};       // s; none: until the end, or one event if the verb is an event
+  double value = 0;                       // argument of the verb: probability, s, counts, ppm, code
 };
 
 }  // namespace godobject

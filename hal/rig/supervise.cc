@@ -1,4 +1,4 @@
-// Rig: the way from off to ready, and what takes it to fault.
+// Rig: transitions from off to ready, and supervision that leads to fault.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -60,14 +60,15 @@ void Rig::check_samples(Nanoseconds now) noexcept {
   }
 }
 
-// Until then the pose is held and the force fades; where the turn would not be known any more that is not waited for.
+// True if a sample is missing for too long; until then the pose is held and the force fades. Returns true at
+// once if the turn would become unknown.
 bool Rig::lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept {
   return now - t_good > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
          encoder.turn_is_lost(now);
 }
 
-// A drive's zero may be where it was switched on: what counts is how the two have parted since it was enabled. Samples
-// that are missing or not plausible have faults of their own.
+// Compares drive and encoder relative to their difference before ready, because a drive's zero may be its
+// position at power-on. Missing and implausible samples raise their own faults.
 void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
   if (drive.max_slip <= 0) return;
   const Encoder* const sensor = sensors_[static_cast<std::size_t>(drive.joint)];
@@ -83,13 +84,13 @@ void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
 }
 
 void Rig::check_drives() noexcept {
-  if (goal() == DriveGoal::quick_stop) return;  // they are to leave it
+  if (goal() == DriveGoal::quick_stop) return;  // a quick stop disables the drives
   for (const DriveOnBus& drive : drives_) {
     if (!is_enabled(drive.drive)) raise(RigFault::drive_not_enabled, nodes_[drive.node]);
   }
 }
 
-// NMT start to every node that is not operational, at most one frame per bus and cycle.
+// Sends NMT start to every node that is not operational, at most one frame per bus and cycle.
 void Rig::boot(Nanoseconds now) noexcept {
   std::array<bool, max_buses> start_sent{};
   for (RigNode& node : nodes_) {
@@ -130,9 +131,9 @@ void Rig::wait_for_drives(Nanoseconds now) noexcept {
     if (!is_enabled(drive.drive)) raise(RigFault::boot_timeout, nodes_[drive.node]);
 }
 
-// A fault that stood before is reset on the way. One that comes up on it would come up again, and so would the
-// loss of a power stage that was on: the drive is given power no second time. It is raised when its code is
-// here: TPDO2 may bring it later than TPDO1 the state.
+// True if a drive fails while it is being enabled. A fault from before is reset. A new fault, or the loss of
+// a power stage that was on, would recur, so the drive is not powered a second time. The fault is raised once
+// its code has arrived, because TPDO2 may bring it later than TPDO1 the state.
 bool Rig::failed_on_the_way(DriveOnBus& drive, Nanoseconds now) noexcept {
   const DriveTelemetry& seen = drive.drive.telemetry();
   const bool in_fault = seen.state == MotorState::fault;

@@ -1,4 +1,4 @@
-// Notices a force that swings between its bounds: what a feedback loop does that is unstable.
+// Detects a force that oscillates between its bounds, as an unstable feedback loop does.
 #pragma once
 
 #include <algorithm>
@@ -8,19 +8,20 @@
 
 namespace godobject {
 
-/// Watches one component of a shown wrench, or one motor's command.
+/// Watches one component of a displayed wrench, or one motor's command.
 ///
-/// It swings when within 0.5 s it has turned round at least 25 times, each time after a way of at least half of
-/// what its bounds allow in one period, and was at a bound (of size or of rate) in at least 80 % of the cycles.
-/// 25 turns are 25 Hz up and down: a hand does not make them (10 Hz), and what is below its bounds, as a
-/// texture, never counts. Counted in tenths of the window, so that it is noticed at most 0.05 s later.
+/// An oscillation is detected if, within 0.5 s, the value has reversed at least 25 times, each time after a
+/// travel of at least half of the bounds' maximum per period. In addition it must be at a bound (of size or
+/// rate) in at least 80 % of the cycles. 25 reversals correspond to 25 Hz: faster than a hand (10 Hz). Values
+/// below their bounds, as of a texture, never count. Counts are kept in tenths of the window, which delays
+/// detection by at most 0.05 s.
 class SwingWatch {
  public:
   static constexpr double window_s = 0.5;
   static constexpr std::uint32_t least_turns = 25;
   static constexpr double least_bounded_share = 0.8;
 
-  /// bound: of the size; rate: the fastest change per second.
+  /// bound: largest absolute value. rate: largest change per second. period_s: of update(), s.
   SwingWatch(double bound, double rate, double period_s) noexcept
       : least_way_(0.5 * std::min(bound, rate * period_s)),
         cycles_per_part_(
@@ -28,7 +29,7 @@ class SwingWatch {
 
   void reset() noexcept { *this = SwingWatch(least_way_, cycles_per_part_); }
 
-  /// One cycle. bounded: the value would be another without its bounds. True: it swings.
+  /// Adds one cycle. bounded: the value was limited. Returns true if it oscillates.
   bool update(double value, bool bounded) noexcept {
     Part& part = parts_[newest_];
     ++part.cycles;
@@ -50,7 +51,7 @@ class SwingWatch {
   SwingWatch(double least_way, std::uint32_t cycles_per_part) noexcept
       : least_way_(least_way), cycles_per_part_(cycles_per_part) {}
 
-  /// Back from the last extreme by more than the least way.
+  /// True if the value reverses from the last extreme by more than least_way_.
   bool turned(double value) noexcept {
     const bool further = rising_ ? value >= extreme_ : value <= extreme_;
     if (further) extreme_ = value;

@@ -74,8 +74,8 @@ class Checker {
       require(std::abs(joint.axis_J.norm() - 1) < 1e-9, where, "axis must have unit length");
       check_pose(joint.X_PJ, where + "pose");
       require(!joint.name.empty() && std::ranges::count(joints, joint.name, &DeviceJoint::name) == 1, where,
-              "name must be given, and only once");
-      require(joint.name != base_name, where, "is what the base is called: choose another name");
+              "name must be given and unique");
+      require(joint.name != base_name, where, "is the reserved name of the base: choose another name");
       require(parent_link(joints, i).has_value(), where, "parent is '", joint.parent,
               "', must be an earlier joint or '", base_name, "'");
     }
@@ -89,7 +89,7 @@ class Checker {
       const std::string where = "handle of body '" + handle.body + "': ";
       check_pose(handle.X_LH, where + "pose");
       require(!handle.body.empty() && std::ranges::count(handles, handle.body, &HandleParams::body) == 1,
-              where, "body must be given, and only once");
+              where, "body must be given and unique");
       require(has_joint(handle.joint), where, "the device has no joint '", handle.joint, "'");
     }
   }
@@ -125,13 +125,13 @@ class Checker {
     const double max_slip = drive.max_slip.value_or(0);
     require(std::isfinite(max_slip) && max_slip >= 0, where, "max_slip is ", max_slip, ", must be >= 0");
     require(max_slip == 0 || std::ranges::count(rig_.encoders, drive.joint, &EncoderParams::joint) > 0, where,
-            "max_slip compares it with an encoder on its joint, which has none");
+            "max_slip needs an encoder on its joint: add one, or set max_slip = 0");
     require(drive.watchdog_ms > 0, where, "watchdog_ms is 0, must be > 0");
     require(drive.status_every_nth_sync >= 1 && drive.status_every_nth_sync <= 240, where,
             "status_every_nth_sync is ", int{drive.status_every_nth_sync}, ", must be 1..240");
   }
 
-  // What a drive's protocol asks of it and of its bus.
+  // Checks the requirements of a drive's protocol on the drive and its bus.
   void check_protocol(const DriveParams& drive, const std::string& where) {
     if (drive.protocol == DriveProtocol::cia402) {
       require(drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where, "torque_max_Nm is ",
@@ -149,19 +149,19 @@ class Checker {
     require(!protocol.fd || bus.data_bit_rate > 0, where, "bus '", bus.name,
             "' has no data_bit_rate: protocol ", name, " needs CAN FD");
     require(drive.protocol == protocol_of_bus(rig_, drive.bus), where, "bus '", bus.name,
-            "' has drives of another protocol: give each protocol a bus of its own");
+            "' has drives of another protocol: use one bus per protocol");
   }
 
   void check_canopen(std::size_t bus, const std::string& where) {
     require(bus >= rig_.buses.size() || bus_protocol(protocol_of_bus(rig_, bus)).canopen, where,
-            "its bus has drives that are no CANopen nodes: give them a bus of their own");
+            "its bus has drives that are no CANopen nodes: move them to another bus");
   }
 
   void check_joint(const std::string& joint, const std::string& where) {
     require(has_joint(joint), where, "the device has no such joint");
   }
 
-  // Buttons may be bits of one node; any other device has a node of its own.
+  // Checks a button. Buttons may share a node as bits; any other device has its own node.
   void check_button(const ButtonParams& button) {
     const std::string where = "button of node " + std::to_string(button.node_id) + ": ";
     require(button.bit <= 7, where, "bit is ", int{button.bit}, ", must be 0..7");
@@ -169,7 +169,7 @@ class Checker {
       return other.bus == button.bus && other.node_id == button.node_id && other.bit == button.bit;
     };
     require(std::ranges::count_if(rig_.buttons, same_bit) == 1, where, "bit ", int{button.bit},
-            " is another button too");
+            " is used by another button");
     const auto on_node = [&](const ButtonParams& other) {
       return other.bus == button.bus && other.node_id == button.node_id;
     };
@@ -199,7 +199,7 @@ class Checker {
     require(calibration.modulus_counts <= counts_of_32_bits && calibration.modulus_counts != 1, where,
             "modulus_counts is ", calibration.modulus_counts, ", must be 2..2^32, or 0 for none");
     require_positive(max_speed, where, "max_speed");
-    // a travel of half the modulus cannot be told from a turn the other way
+    // a travel of half the modulus is indistinguishable from the opposite turn
     const std::uint64_t modulus =
         calibration.modulus_counts == 0 ? counts_of_32_bits : calibration.modulus_counts;
     const double reach_counts = max_speed * calibration.counts_per_unit * rig_.stale_after_s;
@@ -212,7 +212,7 @@ class Checker {
     const auto encoders = std::ranges::count_if(rig_.encoders, on_joint);
     const auto drives = std::ranges::count_if(rig_.drives, on_joint);
     const std::string where = "joint '" + joint.name + "': ";
-    require(encoders + drives > 0, where, "nothing measures it: give it an encoder or a drive");
+    require(encoders + drives > 0, where, "has no sensor: add an encoder or a drive");
     require(encoders <= 1, where, "has ", encoders, " encoders, at most one is allowed");
     require(drives <= 1, where, "has ", drives, " drives, at most one is allowed");
   }

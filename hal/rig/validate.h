@@ -1,4 +1,4 @@
-// Checks of a rig's parameters before anything is built from them.
+// Checks a rig's parameters before construction.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@ namespace godobject {
 
 inline constexpr std::size_t max_buses = 4;
 
-/// One sentence per broken rule, naming the joint, device or scene-file key, the value and the admissible
-/// range; empty when a Rig can be built. Set-up only: allocates.
+/// Returns one sentence per violated rule: joint, device or scene-file key, value, admissible range. Empty if
+/// a Rig can be constructed. Set-up only: allocates.
 std::vector<std::string> validate(const RigParams& rig);
 
 }  // namespace godobject

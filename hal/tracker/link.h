@@ -1,4 +1,4 @@
-// The loop's end of a tracker, whatever thread or simulation is behind it.
+// Interface of a tracker to the loop, independent of its thread or simulation.
 #pragma once
 
 #include "hal/tracker/tracker.h"
@@ -9,12 +9,13 @@ class TrackerLink {
  public:
   virtual ~TrackerLink() = default;
 
-  /// Every cycle, before try_read(). motion_time: s, where a simulated hand is by then.
+  /// Call it every cycle before try_read(). motion_time: time of the simulated hand's motion, s.
   virtual void begin_cycle(Nanoseconds now, double motion_time) noexcept {
     static_cast<void>(now);
     static_cast<void>(motion_time);
   }
-  /// The newest report; false when there is none since the last one read. Never waits, locks or allocates.
+  /// Reads the newest report; false if there is none since the last one read. Never waits, locks or
+  /// allocates.
   [[nodiscard]] virtual bool try_read(TrackerReport& out, Nanoseconds now) noexcept = 0;
   virtual const TrackerParams& params() const noexcept = 0;
 };

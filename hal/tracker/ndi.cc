@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view hex_digits = "0123456789ABCDEF";
 constexpr std::size_t crc_digits = 4;
 
-/// Appends to a command; too much leaves it empty.
+/// Appends to a command; on overflow the command becomes empty.
 class Appender {
  public:
   explicit Appender(Command& command) noexcept : command_(command) {}
@@ -36,7 +36,7 @@ class Appender {
   bool fits_ = true;
 };
 
-/// Value of the digits, upper case as NDI writes them.
+/// Returns the value of hexadecimal digits, upper case as sent by NDI.
 std::optional<unsigned> from_hex(std::span<const std::uint8_t> digits) noexcept {
   unsigned value = 0;
   for (const std::uint8_t digit : digits) {
@@ -159,14 +159,14 @@ TextReply classify(std::span<const std::uint8_t> text) noexcept {
 const char* error_text(std::uint8_t code) noexcept {
   static constexpr std::array texts{
       "no error",
-      "invalid command: its firmware does not know it",
+      "invalid command: not supported by its firmware",
       "command too long",
       "command too short",
-      "the CRC of the command is wrong: noise on the line, or its cable",
+      "the CRC of the command is wrong: check the line and its cable for noise",
       "time-out while the command was carried out",
       "cannot use these communication parameters: choose another baud",
       "wrong number of parameters",
-      "no such port handle: is the tool plugged in?",
+      "no such port handle: check that the tool is plugged in",
       "invalid tracking priority",
       "invalid LED",
       "invalid LED state",
@@ -191,7 +191,7 @@ const char* error_text(std::uint8_t code) noexcept {
       "cannot read the SROM of the tool",
       "cannot write the SROM of the tool",
   };
-  return code < texts.size() ? texts[code] : "an error that is not in our table: see NDI's API guide";
+  return code < texts.size() ? texts[code] : "unknown error: see NDI's API guide";
 }
 
 const char* warning_text(std::uint8_t code) noexcept {
@@ -201,9 +201,9 @@ const char* warning_text(std::uint8_t code) noexcept {
       "the tool violates the rules of unique geometry",
       "the tool is not compatible with other loaded tools",
       "the tool is not compatible with other loaded tools and violates design rules",
-      "the tool does not say its marker wavelength: the default is used",
+      "the tool reports no marker wavelength: the default is used",
   };
-  return code < texts.size() ? texts[code] : "a warning that is not in our table: see NDI's API guide";
+  return code < texts.size() ? texts[code] : "unknown warning: see NDI's API guide";
 }
 
 }  // namespace godobject::ndi

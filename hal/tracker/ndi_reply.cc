@@ -8,20 +8,20 @@
 namespace godobject::ndi {
 namespace {
 
-/// No coordinate in a reply is larger, m: no tracker sees farther, and a missing value is -3.7e28.
+/// Largest coordinate in a reply, m: beyond the range of any tracker; a missing value is -3.7e28.
 constexpr double max_distance_m = 100;
-/// The squared length of a quaternion is one within this: four digits are sent as text.
+/// Tolerance of the squared length of a quaternion: text replies have four digits.
 constexpr double unit_tolerance = 5e-3;
 
 bool is_plausible(const HandlePose& pose) noexcept {
   const Pose& X = pose.X_TH;
-  // One by one: the largest of three may leave out a NaN.
+  // per component, because a maximum may skip a NaN
   return (X.p.array().abs() < max_distance_m).all() &&
          std::abs(X.q.coeffs().squaredNorm() - 1) < unit_tolerance && pose.error_m >= 0 &&
          pose.error_m < max_distance_m;
 }
 
-/// Reads fixed-width text; after a mistake nothing is read any more.
+/// Parses fixed-width text; after an error all reads return 0.
 class TextReader {
  public:
   explicit TextReader(std::span<const std::uint8_t> text) noexcept : text_(text) {}
@@ -43,7 +43,7 @@ class TextReader {
     return ok_ ? value : 0;
   }
 
-  /// A sign and this many digits.
+  /// Parses a sign and `digits` digits. unit: value of the last digit.
   double decimal(std::size_t digits, double unit) noexcept {
     const std::span<const std::uint8_t> all = take(1 + digits);
     if (!ok_) return 0;
@@ -56,7 +56,7 @@ class TextReader {
     return all[0] == '-' ? -value * unit : value * unit;
   }
 
-  /// Takes the word when it comes next.
+  /// Skips `expected` and returns true if it comes next.
   bool word(std::string_view expected) noexcept {
     if (!ok_ || text_.size() < expected.size() || !std::ranges::equal(text_.first(expected.size()), expected))
       return false;
@@ -83,7 +83,7 @@ class TextReader {
 
 constexpr std::size_t point_digits = 21;  // x, y, z of a marker: a sign and six digits each
 
-/// Number of markers, a bit for each that is out of volume, and their points.
+/// Skips the number of markers, one out-of-volume bit per marker, and their points.
 void skip_markers(TextReader& in) noexcept {
   const std::size_t count = in.hex(2);
   in.skip((count + 3) / 4);
@@ -114,7 +114,7 @@ void read_handle(TextReader& in, std::uint16_t options, HandlePose& pose) noexce
     pose.port_bits = in.hex(8);
     pose.frame = in.hex(8);
   } else {
-    pose.status = HandleStatus::missing;  // no pose was asked for
+    pose.status = HandleStatus::missing;  // the command did not request poses
   }
   if ((options & option::tool_and_markers) != 0) in.skip(2 + 20);
   if ((options & option::stray_active_marker) != 0 && in.hex(2) == 0x01) in.skip(point_digits);
@@ -147,7 +147,7 @@ void read_pose(ByteReader& in, HandlePose& pose) noexcept {
   pose.error_m = 1e-3 * real();
 }
 
-/// False for a status that is not defined.
+/// Reads a handle. Returns false for an undefined status.
 bool read_handle(ByteReader& in, std::uint16_t options, HandlePose& pose) noexcept {
   std::uint8_t status = 0;
   in.get(pose.handle).get(status);
@@ -158,7 +158,7 @@ bool read_handle(ByteReader& in, std::uint16_t options, HandlePose& pose) noexce
     if (pose.status == HandleStatus::valid) read_pose(in, pose);
     in.get(pose.port_bits).get(pose.frame);
   } else {
-    pose.status = HandleStatus::missing;  // no pose was asked for
+    pose.status = HandleStatus::missing;  // the command did not request poses
   }
   if ((options & option::tool_and_markers) != 0) skip(in, 1 + 10);
   if ((options & option::stray_active_marker) != 0) {
@@ -170,7 +170,7 @@ bool read_handle(ByteReader& in, std::uint16_t options, HandlePose& pose) noexce
   return true;
 }
 
-/// Scales quaternions to unit length. False if a pose is none and refuses the reply.
+/// Normalises quaternions. Returns false if a pose is implausible and `implausible` is refuse_reply.
 bool take_plausible(PoseReply& reply, ImplausiblePose implausible) noexcept {
   for (std::size_t i = 0; i < reply.num_handles; ++i) {
     HandlePose& pose = reply.handles[i];
@@ -227,10 +227,10 @@ ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, 
 const char* system_status_text(std::uint16_t status) noexcept {
   if ((status & 0x0010u) != 0)
     return "hardware failure: switch the tracker off and on; see its own diagnosis";
-  if ((status & 0x0008u) != 0) return "recoverable exception: the tracker goes on";
+  if ((status & 0x0008u) != 0) return "recoverable exception: the tracker continues";
   if ((status & 0x0001u) != 0) return "communication synchronisation error in the tracker";
   if ((status & 0x0002u) != 0) return "too much environmental infrared: shield lamps and reflections";
-  if ((status & 0x0004u) != 0) return "the tracker saw a CRC error on its own link";
+  if ((status & 0x0004u) != 0) return "the tracker detected a CRC error on its own link";
   return nullptr;
 }
 

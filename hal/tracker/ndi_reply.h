@@ -1,5 +1,5 @@
-// What the replies of the NDI Combined API hold: poses (TX, BX), port handles (PHSR), a tool's plate (PHINF). All
-// parse functions take what ReplyReceiver::content() gives, any bytes, and write their output on `ok` only.
+// Parses replies of the NDI Combined API: poses (TX, BX), port handles (PHSR), tool information (PHINF). All
+// parse functions accept any bytes from ReplyReceiver::content() and write their output on `ok` only.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace godobject::ndi {
 
-/// Reply options of TX and BX: what a reply holds is told by the command alone.
+/// Reply options of TX and BX. Replies do not contain them: only the command determines the format.
 namespace option {
 inline constexpr std::uint16_t transforms = 0x0001;
 inline constexpr std::uint16_t tool_and_markers = 0x0002;
@@ -22,12 +22,12 @@ inline constexpr std::uint16_t also_out_of_volume = 0x0800;
 inline constexpr std::uint16_t stray_passive_markers = 0x1000;
 }  // namespace option
 
-/// The status of a handle, as BX has it on the wire.
+/// Status of a handle, encoded as in BX.
 enum class HandleStatus : std::uint8_t {
-  implausible = 0x00,  // never on the wire: valid by its status, but its pose is none
+  implausible = 0x00,  // never sent: the status was valid, but the pose is not plausible
   valid = 0x01,
-  missing = 0x02,   // not seen: hidden, or out of sight
-  disabled = 0x04,  // disabled, or nothing in the port
+  missing = 0x02,   // hidden or out of sight
+  disabled = 0x04,  // disabled, or the port is empty
 };
 
 /// Bits of a handle's port status.
@@ -43,10 +43,10 @@ inline constexpr std::uint32_t partly_out_of_volume = 0x80;
 struct HandlePose {
   std::uint8_t handle = 0;
   HandleStatus status = HandleStatus::disabled;
-  Pose X_TH;                    // the tool in the tracker's frame; when valid
-  double error_m = 0;           // RMS of the markers against the tool's geometry
-  std::uint32_t port_bits = 0;  // see port_status; not of a disabled handle
-  std::uint32_t frame = 0;      // counts up with the tracker's measurements
+  Pose X_TH;                    // pose of the tool in the tracker's frame, if valid
+  double error_m = 0;           // RMS deviation of the markers from the tool's geometry
+  std::uint32_t port_bits = 0;  // see port_status; not set for a disabled handle
+  std::uint32_t frame = 0;      // measurement counter of the tracker
 };
 
 inline constexpr std::size_t max_handles = 0xFE;
@@ -60,25 +60,25 @@ struct PoseReply {
   std::span<const HandlePose> all() const noexcept { return {handles.data(), num_handles}; }
 };
 
-/// Handling of a handle whose pose is none: NaN, no turn, or too far away.
+/// Treatment of a handle with an implausible pose: NaN, no rotation, or too far away.
 enum class ImplausiblePose : std::uint8_t {
   refuse_reply,  // `bad_value`
-  mark_handle,   // HandleStatus::implausible; the other handles stand
+  mark_handle,   // HandleStatus::implausible; the other handles are used
 };
 
-/// Text, after a TX command with these options.
+/// Parses the text of a reply to TX. options: those of the command.
 [[nodiscard]] ParseResult parse_tx(std::span<const std::uint8_t> text, std::uint16_t options, PoseReply& out,
                                    ImplausiblePose implausible = ImplausiblePose::refuse_reply) noexcept;
-/// Body, after a BX command with these options.
+/// Parses the body of a reply to BX. options: those of the command.
 [[nodiscard]] ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, PoseReply& out,
                                    ImplausiblePose implausible = ImplausiblePose::refuse_reply) noexcept;
 
-/// The gravest of the bits of the system status that ask for something to be done; null without any.
+/// Returns the text of the most severe system status bit that requires action; null if none is set.
 const char* system_status_text(std::uint16_t status) noexcept;
 
 struct PortHandle {
   std::uint8_t handle = 0;
-  std::uint16_t status = 0;  // the low twelve bits of its port status
+  std::uint16_t status = 0;  // low twelve bits of its port status
 };
 
 struct PortHandles {
@@ -88,13 +88,13 @@ struct PortHandles {
   std::span<const PortHandle> all() const noexcept { return {handles.data(), size}; }
 };
 
-/// Reply to PHSR. `too_long`: more than max_handles of them.
+/// Parses a reply to PHSR. Returns `too_long` for more than max_handles handles.
 [[nodiscard]] ParseResult parse_phsr(std::span<const std::uint8_t> text, PortHandles& out) noexcept;
 
-/// What is written on a tool: reply to PHINF with option 0001.
+/// Identification of a tool: reply to PHINF with option 0001.
 struct ToolPlate {
   std::array<char, 13> manufacturer{};  // ends with a zero
-  std::array<char, 9> serial{};         // likewise
+  std::array<char, 9> serial{};         // ends with a zero
   std::uint8_t port_bits = 0;
 };
 [[nodiscard]] ParseResult parse_phinf(std::span<const std::uint8_t> text, ToolPlate& out) noexcept;

@@ -8,13 +8,14 @@ namespace {
 constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds reset_patience = 2500 * ms;
 constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
-constexpr Nanoseconds most_poll_patience = 500 * ms;
-constexpr Nanoseconds poll_margin = 3 * ms;  // between a reply that is still to come and one that is lost
+constexpr Nanoseconds max_poll_patience = 500 * ms;
+constexpr Nanoseconds poll_margin = 3 * ms;  // separates a late reply from a lost one
 constexpr Nanoseconds poll_silence = 1500 * ms;
-constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API asks for 100
-constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
-constexpr Nanoseconds most_quiet = 300 * ms;  // the longest reply at 9600 bit/s
-constexpr Nanoseconds poll_period = 1 * ms;   // at least, so that a fast line is not flooded
+constexpr Nanoseconds rate_change_pause =
+    200 * ms;                                // after a change of the bit rate; the API requires 100 ms
+constexpr Nanoseconds quiet = 8 * ms;        // after a broken reply: its rest may follow
+constexpr Nanoseconds max_quiet = 300 * ms;  // longest reply at 9600 bit/s
+constexpr Nanoseconds poll_period = 1 * ms;  // minimum: avoids flooding a fast line
 constexpr Nanoseconds retry_period = 5000 * ms;
 
 constexpr std::array step_names{"slow down", "break", "COMM",   "set rate", "INIT",  "PHSR:01",
@@ -42,14 +43,13 @@ std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefin
                                           std::vector<std::string>& errors) {
   const std::string where = "tracker '" + params.name + "': ";
   if (!ndi::comm_digit(params.baud))
-    errors.push_back(where + "no NDI tracker has " + std::to_string(params.baud) +
+    errors.push_back(where + "no NDI tracker supports " + std::to_string(params.baud) +
                      " bit/s: choose 9600, 14400, 19200, 38400, 57600, 115200, 230400, 921600 or 1228739");
   for (std::size_t i = 0; i < params.tools.size(); ++i) {
     const std::string& tool = params.tools[i].tool;
     if (!ndi_handle(tool) && (definitions[i].empty() || definitions[i].size() > 0x10000))
-      errors.push_back(
-          where + "tool '" + tool +
-          "' is neither the two digits of a port handle nor a tool definition file that can be read");
+      errors.push_back(where + "tool '" + tool +
+                       "' is neither the two digits of a port handle nor a readable tool definition file");
   }
   if (!errors.empty()) return nullptr;
   return std::make_unique<NdiTracker>(params, std::move(definitions));
@@ -69,7 +69,7 @@ void NdiTracker::opened(Nanoseconds now) noexcept {
   restart(now);
 }
 
-/// From the beginning, with the line as it is.
+/// Restarts the initialisation without changing the line.
 void NdiTracker::restart(Nanoseconds now) noexcept {
   for (std::size_t i = 0; i < params_.tools.size(); ++i) {
     if (!definitions_[i].empty()) handles_[i].reset();
@@ -86,8 +86,8 @@ void NdiTracker::restart(Nanoseconds now) noexcept {
     enter(TrackerState::initialising, "resetting the tracker on %.60s", params_.port.c_str());
 }
 
-/// An attempt has failed. The next one takes the other way to begin: a line without breaks (USB, a network port) is
-/// left at its rate.
+/// Handles a failed attempt. The next attempt begins the other way: a line without breaks (USB, a network
+/// port) keeps its rate.
 void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
   if (was_tracking()) {
     ++report_.counters.restarts;
@@ -101,13 +101,13 @@ void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
     enter(TrackerState::initialising, "%s: %s; trying again", name_of(at), why);
     return;
   }
-  enter(TrackerState::failed, "%s: %s; tried again every 5 s", name_of(at), why);
+  enter(TrackerState::failed, "%s: %s; retried every 5 s", name_of(at), why);
   restart(now);
   not_before_ = now + retry_period;
 }
 
-/// Returns what the bytes look like that came instead of a reply, or `otherwise` where none did.
-const char* NdiTracker::not_understood(const char* otherwise) noexcept {
+/// Returns a description of the bytes received instead of a reply, or `otherwise` if there were none.
+const char* NdiTracker::unread_or(const char* otherwise) noexcept {
   if (unread_.empty()) return otherwise;
   unread_.describe(TrackerProtocol::ndi, params_.baud, unread_text_);
   return unread_text_.data();
@@ -136,8 +136,10 @@ ndi::Command NdiTracker::command() const noexcept {
     case Step::initialise_handle: return ndi::make_handle_command("PINIT", handle);
     case Step::list_disabled: return ndi::make_command("PHSR", "03");
     case Step::read_plate: return ndi::make_handle_command("PHINF", handle, "0001");
-    case Step::enable_handle: return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
-    case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");  // frames from zero
+    case Step::enable_handle:
+      return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
+    // frames counted from zero
+    case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");
     case Step::poll: return ndi::make_command(use_text_ ? "TX" : "BX", "0801");
     default: return {};
   }
@@ -148,14 +150,14 @@ Nanoseconds NdiTracker::patience() const noexcept {
   return step_ == Step::poll ? poll_patience() : setup_patience;
 }
 
-/// How long a reply takes is known from those before: the time of both on the line, and the tracker's own, which with some
-/// ends with a measurement. One that is not there soon after is lost, and asked for again at once; after some in a row
-/// less and less often.
+/// Returns the timeout of a poll, derived from earlier replies: transfer time of command and reply plus the
+/// tracker's own time, which on some trackers lasts until a measurement ends. A later reply counts as lost,
+/// and the poll is repeated at once; after several consecutive losses, less and less often.
 Nanoseconds NdiTracker::poll_patience() const noexcept {
   constexpr int eager_tries = 4;
-  if (longest_answer_ == 0) return most_poll_patience;
+  if (longest_answer_ == 0) return max_poll_patience;
   const Nanoseconds soon = longest_answer_ + longest_answer_ / 4 + poll_margin;
-  return std::min(soon << std::clamp(tries_ - eager_tries, 0, 6), most_poll_patience);
+  return std::min(soon << std::clamp(tries_ - eager_tries, 0, 6), max_poll_patience);
 }
 
 LineRequest NdiTracker::send(Nanoseconds now) noexcept {
@@ -164,11 +166,11 @@ LineRequest NdiTracker::send(Nanoseconds now) noexcept {
   reply_began_ = false;
   deadline_ = now + patience();
   if (tries_ == 0) {
-    num_asked_ = 0;
-    t_first_asked_ = now;
+    num_unanswered_ = 0;
+    t_first_polled_ = now;
   }
-  ++num_asked_;
-  t_asked_ = now;
+  ++num_unanswered_;
+  t_polled_ = now;
   ++tries_;
   if (step_ == Step::send_break) return {.kind = LineRequest::Kind::serial_break};
   command_ = command();
@@ -186,7 +188,7 @@ LineRequest NdiTracker::next(Nanoseconds now) noexcept {
       return {.kind = LineRequest::Kind::set_baud, .baud = ndi::default_baud};
     case Step::follow_rate:
       go(Step::initialise);
-      not_before_ = now + settle;
+      not_before_ = now + rate_change_pause;
       return {.kind = LineRequest::Kind::set_baud, .baud = params_.baud};
     default: return send(now);
   }
@@ -195,40 +197,42 @@ LineRequest NdiTracker::next(Nanoseconds now) noexcept {
 void NdiTracker::on_silence(Nanoseconds now) noexcept {
   awaiting_ = false;
   if (step_ == Step::send_break) {
-    go(Step::set_rate);  // perhaps it has not understood the break, but listens
+    go(Step::set_rate);  // the tracker may have ignored the break but still respond
     return;
   }
-  if (step_ == Step::poll && tries_ == 0) return;  // it was answered, once for the two that were sent
+  if (step_ == Step::poll && tries_ == 0) return;  // the poll was answered; the two sent polls got one answer
   ++report_.counters.timeouts;
-  if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
+  if (step_ == Step::poll && now - t_first_polled_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
   if (tries_ >= allowed)
-    give_up_or_restart(not_understood("no reply: is the tracker switched on, and this its port?"), now);
+    give_up_or_restart(
+        unread_or("no reply: check that the tracker is switched on and connected to this port"), now);
 }
 
-/// A poll that was sent again may be answered twice: its second answer is waited for, or it would be taken for that to
-/// the next one. When all of them come nothing was lost: the tracker is as slow as the first.
+/// Handles the answer to a poll. A repeated poll may be answered twice: its second answer is awaited,
+/// otherwise it would be attributed to the next poll. If all answers arrive, none was lost: the reply time is
+/// that of the first.
 void NdiTracker::on_poll_answered(Nanoseconds now) noexcept {
-  if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_asked_)) / 64;
-  if (tries_ > 0) took_ = now - t_first_asked_;
+  if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_polled_)) / 64;
+  if (tries_ > 0) answer_time_ = now - t_first_polled_;
   tries_ = 0;
-  awaiting_ = --num_asked_ > 0;
+  awaiting_ = --num_unanswered_ > 0;
   reply_began_ = false;
-  if (awaiting_) deadline_ = std::max(deadline_, t_asked_ + took_ + poll_margin);
-  else longest_answer_ = std::max(longest_answer_, took_);
+  if (awaiting_) deadline_ = std::max(deadline_, t_polled_ + answer_time_ + poll_margin);
+  else longest_answer_ = std::max(longest_answer_, answer_time_);
 }
 
 void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
   awaiting_ = false;
   not_before_ = now + quiet;
-  quiet_until_ = now + most_quiet;
+  quiet_until_ = now + max_quiet;
   if (step_ == Step::send_break) return go(Step::set_rate);
   if (report_.state == TrackerState::initialising)
-    enter(TrackerState::initialising, "%s: %s", name_of(step_), not_understood("replies are not readable"));
+    enter(TrackerState::initialising, "%s: %s", name_of(step_), unread_or("replies are not readable"));
   if (step_ == Step::poll) {
-    tries_ = 0;  // it does answer
+    tries_ = 0;  // the tracker does answer
   } else if (tries_ >= max_tries) {
-    give_up_or_restart(not_understood("replies are not readable: check cable and baud"), now);
+    give_up_or_restart(unread_or("replies are not readable: check cable and baud"), now);
   }
 }
 
@@ -238,7 +242,8 @@ void NdiTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) n
   for (const std::uint8_t byte : bytes) {
     if (awaiting_ && !reply_began_) t_reply_ = now;
     reply_began_ = true;
-    if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);  // it is coming
+    // the reply is arriving
+    if (awaiting_ && step_ == Step::poll) deadline_ = std::max(deadline_, now + poll_margin);
     if (!awaiting_ && now < quiet_until_) not_before_ = std::max(not_before_, now + quiet);
     const Event event = receiver_.push(byte);
     if (event == Event::text || event == Event::binary) unread_.clear();

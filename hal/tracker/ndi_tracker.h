@@ -1,5 +1,5 @@
-// An NDI tracker (Polaris, Vega, Aurora) from the opened line to poses: reset, bit rate, tools, tracking, polling.
-// t_ns of a sample is when the first byte of the reply that brought it arrived.
+// NDI tracker (Polaris, Vega, Aurora), from the opened line to poses: reset, bit rate, tools, tracking,
+// polling. t_ns of a sample is the arrival of the first byte of its reply.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,8 @@
 
 namespace godobject {
 
-/// The port handle that the two digits name; none for anything else, which is the name of a definition file.
+/// Returns the port handle named by two digits; nullopt for any other text, which is the name of a definition
+/// file.
 std::optional<std::uint8_t> ndi_handle(std::string_view tool) noexcept;
 
 std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefinitions definitions,
@@ -28,16 +29,16 @@ class NdiTracker final : public Tracker {
   LineRequest next(Nanoseconds now) noexcept override;
 
  private:
-  /// In the order in which they are gone through.
+  /// Steps in their order.
   enum class Step : std::uint8_t {
-    slow_down,           // the line to 9600 bit/s
-    send_break,          // answered with RESET
+    slow_down,           // sets the line to 9600 bit/s
+    send_break,          // the tracker answers RESET
     set_rate,            // COMM
-    follow_rate,         // the line to that rate
+    follow_rate,         // sets the line to the rate of COMM
     initialise,          // INIT
-    list_used,           // PHSR:01, handles of an earlier run or of tools that were unplugged
+    list_used,           // PHSR:01, handles of an earlier run or of unplugged tools
     free_handle,         // PHF
-    request_handle,      // PHRQ, of a tool with a definition
+    request_handle,      // PHRQ, for a tool with a definition
     write_definition,    // PVWR, block by block
     list_uninitialised,  // PHSR:02
     initialise_handle,   // PINIT
@@ -48,7 +49,7 @@ class NdiTracker final : public Tracker {
     poll,                // BX or TX, until the line is lost
   };
 
-  static constexpr int max_tries = 3;  // of a step
+  static constexpr int max_tries = 3;  // per step
   static const char* name_of(Step step) noexcept;
 
   ndi::Command command() const noexcept;
@@ -73,39 +74,39 @@ class NdiTracker final : public Tracker {
   void next_handle() noexcept;
   void next_definition() noexcept;
   std::optional<std::size_t> tool_of(std::uint8_t handle) const noexcept;
-  const char* not_understood(const char* otherwise) noexcept;
+  const char* unread_or(const char* otherwise) noexcept;
   bool was_tracking() const noexcept { return report_.state == TrackerState::tracking; }
 
   ToolDefinitions definitions_;
-  std::array<std::optional<std::uint8_t>, max_tracked_tools> handles_{};  // of the tools
+  std::array<std::optional<std::uint8_t>, max_tracked_tools> handles_{};  // handles of the tools
   std::array<bool, max_tracked_tools> enabled_{};
   ndi::ReplyReceiver receiver_;
   UnreadBytes unread_;
   std::array<char, 140> unread_text_{};
   ndi::Command command_;
   Step step_ = Step::slow_down;
-  bool awaiting_ = false;            // a reply
-  bool reply_began_ = false;         // its first byte is there
-  bool use_text_ = false;            // TX: the firmware does not know BX
+  bool awaiting_ = false;            // a reply is awaited
+  bool reply_began_ = false;         // the first byte of the reply has arrived
+  bool use_text_ = false;            // use TX, because the firmware has no BX
   bool plain_start_ = false;         // TSTART without a parameter
   bool by_default_rate_ = true;      // this attempt begins with a break at 9600 bit/s
-  Nanoseconds deadline_ = 0;         // of the reply
-  Nanoseconds not_before_ = 0;       // of the next command
-  Nanoseconds quiet_until_ = 0;      // the rest of a broken reply is waited out until then at most
-  Nanoseconds t_reply_ = 0;          // of its first byte
-  Nanoseconds boot_deadline_ = 0;    // to be tracking
-  int tries_ = 0;                    // of this step; of a poll since it was answered last
-  int num_asked_ = 0;                // polls without an answer yet
-  Nanoseconds t_asked_ = 0;          // of the last poll
-  Nanoseconds t_first_asked_ = 0;    // of the first poll since the last answer
-  Nanoseconds took_ = 0;             // from the first poll to the answer, where it was asked again
-  Nanoseconds longest_answer_ = 0;   // from poll to the end of its reply, lately; 0: not known
-  int passes_ = 0;                   // through list_uninitialised
-  ndi::PortHandles listed_;          // by the last PHSR
-  std::size_t at_ = 0;               // the handle in turn among them
-  std::size_t tool_ = 0;             // the tool with a definition in turn
-  std::size_t address_ = 0;          // of the block in turn
-  std::array<char, 120> refused_{};  // why a tool is not tracked; empty while none is known
+  Nanoseconds deadline_ = 0;         // for the reply
+  Nanoseconds not_before_ = 0;       // for the next command
+  Nanoseconds quiet_until_ = 0;      // latest end of the wait for the rest of a broken reply
+  Nanoseconds t_reply_ = 0;          // arrival of the first byte of the reply
+  Nanoseconds boot_deadline_ = 0;    // for tracking to begin
+  int tries_ = 0;                    // attempts of this step; polls since the last answer
+  int num_unanswered_ = 0;           // polls
+  Nanoseconds t_polled_ = 0;         // time of the last poll
+  Nanoseconds t_first_polled_ = 0;   // time of the first poll since the last answer
+  Nanoseconds answer_time_ = 0;      // from the first poll to the answer, if the poll was repeated
+  Nanoseconds longest_answer_ = 0;   // longest recent time from a poll to the end of its reply; 0: unknown
+  int passes_ = 0;                   // number of times through list_uninitialised
+  ndi::PortHandles listed_;          // reply to the last PHSR
+  std::size_t at_ = 0;               // index of the current handle in listed_
+  std::size_t tool_ = 0;             // index of the current tool with a definition
+  std::size_t address_ = 0;          // address of the current block
+  std::array<char, 120> refused_{};  // reason that a tool is not tracked; empty: none
 };
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// NdiTracker: what it makes of the replies.
+// NdiTracker: processing of replies.
 #include <cstdarg>
 #include <cstdio>
 
@@ -7,7 +7,7 @@
 namespace godobject {
 namespace {
 
-constexpr int max_passes = 4;  // a port with two tools shows the second one after the first is initialised
+constexpr int max_passes = 4;  // a port with two tools lists the second one after the first is initialised
 constexpr std::uint16_t poll_options = ndi::option::transforms | ndi::option::also_out_of_volume;
 
 }  // namespace
@@ -28,10 +28,10 @@ void NdiTracker::on_text(std::span<const std::uint8_t> text, Nanoseconds now) no
   }
 }
 
-/// What does not stop the others: a tool that is refused stays disabled.
+/// Handles an error that does not stop the other tools: a refused tool stays disabled.
 void NdiTracker::on_error(std::uint8_t code, Nanoseconds now) noexcept {
   constexpr std::uint8_t invalid_command = 0x01, bad_crc = 0x04;
-  if (code == bad_crc && tries_ < max_tries) return;  // sent again
+  if (code == bad_crc && tries_ < max_tries) return;  // the command is repeated
   switch (step_) {
     case Step::free_handle:
     case Step::initialise_handle:
@@ -129,7 +129,7 @@ void NdiTracker::on_handles(std::span<const std::uint8_t> text, Nanoseconds now)
   next_handle();
 }
 
-/// The next of the listed handles that this step is for, or what comes after the last.
+/// Proceeds to the next listed handle of this step, or to the step after the last one.
 void NdiTracker::next_handle() noexcept {
   const bool enabling = step_ == Step::read_plate || step_ == Step::enable_handle;
   do {
@@ -141,7 +141,7 @@ void NdiTracker::next_handle() noexcept {
   go(listed_.size > 0 ? Step::list_uninitialised : Step::list_disabled);
 }
 
-/// The next tool with a definition, or what comes after the last.
+/// Proceeds to the next tool with a definition, or to the step after the last one.
 void NdiTracker::next_definition() noexcept {
   while (tool_ < params_.tools.size() && definitions_[tool_].empty()) ++tool_;
   go(tool_ < params_.tools.size() ? Step::request_handle : Step::list_uninitialised);

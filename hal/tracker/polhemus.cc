@@ -10,7 +10,7 @@ namespace {
 
 constexpr double inch = 0.0254;  // m
 constexpr double max_distance_m = 20;
-constexpr double unit_tolerance = 5e-3;  // of the squared length
+constexpr double unit_tolerance = 5e-3;  // tolerance of the squared length
 
 void put_float(ByteWriter& out, double value) noexcept {
   out.put(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
@@ -27,12 +27,12 @@ void put_pose(ByteWriter& out, const Pose& X) noexcept {
   for (const double q : {X.q.w(), X.q.x(), X.q.y(), X.q.z()}) put_float(out, q);
 }
 
-/// False when it is no pose.
+/// Reads a pose. Returns false if it is implausible.
 bool get_pose(ByteReader& in, Pose& X) noexcept {
   for (Eigen::Index i = 0; i < 3; ++i) X.p[i] = inch * get_float(in);
   const double w = get_float(in), x = get_float(in), y = get_float(in), z = get_float(in);
   X.q = Quat(w, x, y, z);
-  // One by one: the largest of three may leave out a NaN.
+  // per component, because a maximum may skip a NaN
   const bool plausible =
       (X.p.array().abs() < max_distance_m).all() && std::abs(X.q.coeffs().squaredNorm() - 1) < unit_tolerance;
   if (plausible) X.q.normalize();
@@ -43,7 +43,7 @@ bool is_error_mark(std::uint8_t c) noexcept {
   return c == ' ' || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
 
-/// The bytes agree with `expected` as far as they go; where that has '?' any byte does.
+/// True if the bytes match the beginning of `expected`; '?' matches any byte.
 bool begins_like(std::span<const std::uint8_t> bytes, std::string_view expected) noexcept {
   for (std::size_t i = 0; i < std::min(bytes.size(), expected.size()); ++i) {
     if (expected[i] != '?' && bytes[i] != static_cast<std::uint8_t>(expected[i])) return false;
@@ -127,16 +127,16 @@ RecordReceiver::Event RecordReceiver::push(std::uint8_t byte) noexcept {
       in_step_ = true;
       return Event::record;
     }
-    if (result == ParseResult::bad_value && size > 0 && in_step_) {  // those after it are in step
+    if (result == ParseResult::bad_value && size > 0 && in_step_) {  // the following bytes are in step
       drop(size);
       return Event::malformed;
     }
     lost = true;
     drop(1);
   }
-  const bool told = lost && in_step_;
+  const bool first_loss = lost && in_step_;
   if (lost) in_step_ = false;
-  return told ? Event::malformed : Event::more;
+  return first_loss ? Event::malformed : Event::more;
 }
 
 void RecordReceiver::drop(std::size_t count) noexcept {
@@ -173,7 +173,7 @@ std::optional<Command> frame_command(Model model, std::size_t index, std::size_t
                                      const Vec3& hemisphere) noexcept {
   constexpr std::size_t num_kinds = 5;
   const bool fastrak = model == Model::fastrak;
-  // A Fastrak takes its stations one by one.
+  // a Fastrak sets its stations one by one
   const std::size_t num_commands =
       fastrak ? num_kinds * std::min(num_stations, max_fastrak_stations) : num_kinds;
   if (index >= num_commands) return std::nullopt;

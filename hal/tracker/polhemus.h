@@ -1,6 +1,7 @@
-// Binary records of Polhemus trackers: Fastrak (32 bytes), Liberty and Patriot (41, or 45 with a button). There is no
-// CRC: a record is known by its first bytes, its last one, and a quaternion of unit length. A change of a few low bits
-// of a position on the wire cannot be seen here; the tracker bounds it by the speed of a hand.
+// Binary records of Polhemus trackers: Fastrak (32 bytes), Liberty and Patriot (41, or 45 with a button).
+// There is no CRC: a record is recognised by its first and last bytes and a quaternion of unit length.
+// Changes of a few low bits of a position are not detected here; PolhemusTracker bounds them by the speed of
+// a hand.
 #pragma once
 
 #include <array>
@@ -19,8 +20,8 @@ enum class Model : std::uint8_t { fastrak, liberty };
 struct Record {
   Model model = Model::fastrak;
   std::uint8_t station = 1;  // from 1
-  char error = ' ';          // ' ': none; else a letter of the manual's table
-  Pose X_TH{};               // the sensor in the frame of its source; inches on the wire
+  char error = ' ';          // ' ': none; otherwise a letter of the manual's table
+  Pose X_TH{};               // sensor pose in the frame of its source; inches on the wire
   std::uint32_t t_ms = 0;    // Liberty: its clock
 };
 
@@ -32,22 +33,22 @@ inline constexpr std::size_t max_record_size = liberty_header + liberty_button_p
 inline constexpr std::size_t max_fastrak_stations = 4;
 inline constexpr std::size_t max_stations = 16;
 
-/// A record as it goes on the wire, Liberty's without a button. Empty when `out` is too small.
+/// Encodes a record for the wire, for Liberty without a button. Returns an empty span if `out` is too small.
 [[nodiscard]] std::span<const std::uint8_t> make_record(const Record& record,
                                                         std::span<std::uint8_t> out) noexcept;
 
-/// From the first byte of a record on. `too_short`: it may be one, more bytes are needed. `size` is set on
-/// `ok`, and on `bad_value`, where 0 means that no record ends where this one should.
+/// Parses from the first byte of a record. Returns `too_short` if more bytes are needed. size: set on `ok`
+/// and on `bad_value`, where 0 means that no record ends at the expected place.
 [[nodiscard]] ParseResult parse_record(std::span<const std::uint8_t> bytes, Record& out,
                                        std::size_t& size) noexcept;
 
-/// Takes records out of the stream; in step again at the next record after a broken one.
+/// Extracts records from the stream; resynchronises at the next record after a broken one.
 class RecordReceiver {
  public:
   enum class Event : std::uint8_t {
     more,
     record,     // record() is new
-    malformed,  // a record without a pose; or no record: out of step, reported once until the next record
+    malformed,  // a record without a pose, or bytes out of step (reported once until the next record)
   };
   Event push(std::uint8_t byte) noexcept;
   const Record& record() const noexcept { return record_; }
@@ -58,11 +59,11 @@ class RecordReceiver {
 
   std::array<std::uint8_t, max_record_size> data_{};
   std::size_t size_ = 0;
-  bool in_step_ = false;  // what came so far was all records
+  bool in_step_ = false;  // all bytes so far formed records
   Record record_;
 };
 
-/// A command of the initialisation; none past the last. Neither model answers them.
+/// A command of the initialisation. The trackers do not answer it.
 struct Command {
   std::array<char, 48> data{};
   std::size_t size = 0;
@@ -71,12 +72,13 @@ struct Command {
     return {reinterpret_cast<const std::uint8_t*>(data.data()), size};
   }
 };
-/// Silence, inches, for stations 1 to num_stations position and quaternion, binary, and continuous records.
+/// Returns command `index`: stop, inches, position and quaternion for stations 1 to num_stations, binary,
+/// continuous. Returns nullopt after the last.
 std::optional<Command> init_command(Model model, std::size_t index, std::size_t num_stations) noexcept;
-/// Commands that set everything by which a tracker changes its poses; none past the last. Alignment,
-/// boresight, tip offset and the frame of the source as they leave the factory, since the scene has frames of
-/// its own; and the hemisphere.
-/// hemisphere: direction from the source, in its frame, to the half of space in which the sensors are.
+/// Returns command `index` of those that reset the tracker's own pose transformations; nullopt after the
+/// last. Alignment, boresight, tip offset and source frame are reset to factory values, because the scene has
+/// its own frames. The last command sets the hemisphere.
+/// hemisphere: direction from the source, in its frame, to the half space of the sensors.
 std::optional<Command> frame_command(Model model, std::size_t index, std::size_t num_stations,
                                      const Vec3& hemisphere) noexcept;
 

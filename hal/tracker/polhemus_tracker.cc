@@ -9,11 +9,13 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds millisecond = 1'000'000;
-constexpr Nanoseconds command_period = 60 * millisecond;     // neither model answers: it is given time
+// pause between commands, because neither model answers
+constexpr Nanoseconds command_period = 60 * millisecond;
 constexpr Nanoseconds record_patience = 1000 * millisecond;  // for the first record, and then for each
 constexpr double max_speed = 10;                             // m/s
-constexpr double max_jump = 0.02;                            // m, whatever the time between two records
-constexpr int max_refused = 3;                               // records in a row; then it has really moved
+constexpr double max_jump = 0.02;                            // m, independent of the time between two records
+// consecutive records; the next one is accepted as real motion
+constexpr int max_refused = 3;
 
 std::uint8_t station_of(const std::string& tool) {
   unsigned station = 0;
@@ -49,7 +51,7 @@ void PolhemusTracker::opened(Nanoseconds now) noexcept {
   begin(now);
 }
 
-/// The other model's way.
+/// Begins the set-up for the other model.
 void PolhemusTracker::begin(Nanoseconds now) noexcept {
   model_ = model_ == polhemus::Model::liberty ? polhemus::Model::fastrak : polhemus::Model::liberty;
   index_ = frame_index_ = 0;
@@ -66,7 +68,7 @@ void PolhemusTracker::begin(Nanoseconds now) noexcept {
 
 LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
   expire(now);
-  // Frames are set between the first commands, silence and units, and those for records.
+  // Frames are set after the first commands (stop, units) and before those for records.
   command_ = index_ == 2 ? polhemus::frame_command(model_, frame_index_, num_stations_, params_.hemisphere)
                          : std::nullopt;
   const bool sets_frame = command_.has_value();
@@ -83,7 +85,7 @@ LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
   std::array<char, 140> why{};
   if (unread_.empty())
     std::snprintf(why.data(), why.size(),
-                  "is the tracker switched on, this its port, and its switches at %u bit/s?",
+                  "check that the tracker is switched on, connected to this port and set to %u bit/s",
                   unsigned{params_.baud});
   else unread_.describe(TrackerProtocol::polhemus, params_.baud, why);
   if (report_.state == TrackerState::tracking) {
@@ -100,7 +102,7 @@ LineRequest PolhemusTracker::next(Nanoseconds now) noexcept {
 
 void PolhemusTracker::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
   unread_.add(bytes);
-  // Records that come while it is set up are of an earlier run, in a format of its own.
+  // records received during set-up are of an earlier run, in another format
   if (polhemus::init_command(model_, index_, num_stations_)) return;
   for (const std::uint8_t byte : bytes) {
     switch (receiver_.push(byte)) {
@@ -148,8 +150,9 @@ void PolhemusTracker::report_tracking(const polhemus::Record& record) noexcept {
         record.error == ' ' ? "" : " reports a weak or disturbed signal");
 }
 
-/// The field of the source is the same at p and at -p: a sensor that leaves its hemisphere is reported at -p.
-/// It is lost until it is back, however long that takes; any other jump is real if it lasts.
+/// Checks a position. The field of the source is equal at p and -p: a sensor that leaves its hemisphere is
+/// reported at -p. It then counts as lost until it returns, for any duration; any other jump is accepted if
+/// it persists.
 PolhemusTracker::Verdict PolhemusTracker::judge(Plausibility& last, const Vec3& p, Nanoseconds t) noexcept {
   const double dt = 1e-9 * static_cast<double>(std::max<Nanoseconds>(t - last.t_ns, 0));
   const double way = max_jump + max_speed * dt;

@@ -1,7 +1,7 @@
-// A Polhemus Fastrak, Liberty or Patriot from the opened line to poses. Which one it is shows when it sends records:
-// both ways to set it up are tried in turn. A tool is named by its station, "1" being the first.
-// t_ns of a sample: Liberty's own clock, mapped to the host's; Fastrak, which has none: its arrival less the time on the
-// wire.
+// Polhemus Fastrak, Liberty or Patriot, from the opened line to poses. The model is detected by its records:
+// the set-ups of both are tried alternately. A tool is named by its station, beginning with "1". t_ns of a
+// sample: for Liberty its own clock mapped to the host's; for Fastrak, which has none, arrival minus time on
+// the wire.
 #pragma once
 
 #include <optional>
@@ -25,13 +25,13 @@ class PolhemusTracker final : public Tracker {
   LineRequest next(Nanoseconds now) noexcept override;
 
  private:
-  /// Bounds what noise can do to a position: a hand is not faster, except when it is again and again.
+  /// Limits the effect of noise on a position: faster motion than a hand's is refused unless it persists.
   struct Plausibility {
-    Vec3 p = Vec3::Zero();  // of the sensor; where its records are mirrored, the mirror image of theirs
+    Vec3 p = Vec3::Zero();  // position of the sensor; for mirrored records, the mirrored position
     Nanoseconds t_ns = 0;
     int refused = 0;
     bool started = false;
-    bool mirrored = false;  // it has left its hemisphere: records have p as -p
+    bool mirrored = false;  // the sensor has left its hemisphere: records contain -p
   };
   enum class Verdict : std::uint8_t { plausible, mirrored, refused };
 
@@ -44,17 +44,17 @@ class PolhemusTracker final : public Tracker {
   UnreadBytes unread_;
   polhemus::Model model_ = polhemus::Model::liberty;
   std::optional<polhemus::Command> command_;
-  std::size_t index_ = 0;        // of the command of the initialisation
-  std::size_t frame_index_ = 0;  // of the command that sets frames
+  std::size_t index_ = 0;        // index of the initialisation command
+  std::size_t frame_index_ = 0;  // index of the command that sets frames
   std::size_t num_stations_ = 1;
   std::array<std::uint8_t, max_tracked_tools> stations_{};
   std::array<Plausibility, max_tracked_tools> last_{};
-  std::array<std::uint32_t, max_tracked_tools> count_{};  // records of each tool
+  std::array<std::uint32_t, max_tracked_tools> count_{};  // records per tool
   UnwrappedCount time_ms_;
   ClockMap clock_;
-  Nanoseconds not_before_ = 0;     // of the next command
-  Nanoseconds deadline_ = 0;       // of the next record
-  Nanoseconds boot_deadline_ = 0;  // to be tracking
+  Nanoseconds not_before_ = 0;     // for the next command
+  Nanoseconds deadline_ = 0;       // for the next record
+  Nanoseconds boot_deadline_ = 0;  // for tracking to begin
 };
 
 }  // namespace godobject

@@ -6,12 +6,12 @@
 namespace godobject {
 namespace {
 
-// Playback may be this much slower or faster than real time while the delay is corrected, and change its rate this fast:
-// a change of the rate is one of the speed, which the coupling's damper shows.
+// Limits of the playback rate while the delay is corrected, relative to real time, and of its rate of change.
+// The coupling's damper displays a change of the rate, because it changes the velocity.
 constexpr double max_slower = 0.05, max_faster = 0.02;
-constexpr double rate_slew = 0.5;  // per s
+constexpr double rate_slew = 0.5;  // 1/s
 constexpr double correction_time_ns = 100e6;
-constexpr double forgetting = 1e-3;  // of the largest delay seen, per sample
+constexpr double forgetting = 1e-3;  // decrease per sample, relative to the largest delay
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void PoseTrack::push(const Pose& X, Nanoseconds t, Nanoseconds now) noexcept {
     added.knot = std::max(t + period / 2, before.knot + period / 4);
   }
   if (size_ >= 3) {  // the first sample has no knot of its own yet
-    // Until this sample came, the path had to last that ends at the knot of the one before the last.
+    // Delay that was needed until this sample: the path ended at the knot of the sample before the last.
     const Nanoseconds needed = now - sample(1).knot;
     const auto excess = static_cast<double>(wanted_delay_ - needed);
     wanted_delay_ = size_ == 3
@@ -53,7 +53,7 @@ PoseTrack::Played PoseTrack::at(Nanoseconds now) noexcept {
   }
   adapt_delay(now);
   const Nanoseconds play = now - delay_;
-  // The span of sample i lies between the knots of i-1 and i, and needs the samples i-1 to i+1.
+  // The span of sample i is between the knots of i-1 and i and uses the samples i-1 to i+1.
   std::size_t back = 1;
   while (back + 3 < size_ && sample(back + 1).knot > play) ++back;
   if (back == 1 && play > sample(1).knot) {
@@ -74,8 +74,8 @@ void PoseTrack::adapt_delay(Nanoseconds now) noexcept {
   } else if (dt > 0) {
     const double wanted =
         std::clamp(static_cast<double>(wanted_delay_ - delay_) / correction_time_ns, -max_faster, max_slower);
-    const double most = 1e-9 * rate_slew * dt;
-    slowdown_ = std::clamp(wanted, slowdown_ - most, slowdown_ + most);
+    const double max_change = 1e-9 * rate_slew * dt;
+    slowdown_ = std::clamp(wanted, slowdown_ - max_change, slowdown_ + max_change);
     delay_ += std::llround(slowdown_ * dt);
     if (now - delay_ > sample(1).knot && last_ - delay_ <= sample(1).knot) ++late_;
   }
@@ -83,7 +83,7 @@ void PoseTrack::adapt_delay(Nanoseconds now) noexcept {
   last_ = now;
 }
 
-/// De Boor's recursion. Quaternions by component, then normalised; w = 2 q' q*.
+/// De Boor's recursion. Quaternions are interpolated by component, then normalised; w = 2 q' q*.
 Target PoseTrack::spline(std::size_t back, Nanoseconds play) const noexcept {
   const Sample &before = sample(back + 1), &here = sample(back), &after = sample(back - 1);
   const Nanoseconds u0 = sample(back + 2).knot, u1 = before.knot, u2 = here.knot, u3 = after.knot;
@@ -92,8 +92,8 @@ Target PoseTrack::spline(std::size_t back, Nanoseconds play) const noexcept {
   };
   const double a = share(u0, u2), b = share(u1, u3), c = share(u1, u2);
   const double per_s = 2 / (1e-9 * static_cast<double>(u2 - u1));
-  const double w0 = c * a, w2 = (1 - c) * (1 - b), w1 = 1 - w0 - w2;    // of the value
-  const double r0 = -per_s * a, r2 = per_s * (1 - b), r1 = -(r0 + r2);  // of its rate
+  const double w0 = c * a, w2 = (1 - c) * (1 - b), w1 = 1 - w0 - w2;    // weights of the value
+  const double r0 = -per_s * a, r2 = per_s * (1 - b), r1 = -(r0 + r2);  // weights of the rate
   Target target;
   target.X_WD.p = w0 * before.X.p + w1 * here.X.p + w2 * after.X.p;
   target.V_WD.v = r0 * before.X.p + r1 * here.X.p + r2 * after.X.p;
@@ -104,7 +104,7 @@ Target PoseTrack::spline(std::size_t back, Nanoseconds play) const noexcept {
   return target;
 }
 
-/// After the last span: slowing down evenly, at rest after one more period.
+/// Returns the target after the last span: constant deceleration to rest within one more period.
 Target PoseTrack::coming_to_rest(Nanoseconds play) const noexcept {
   const Nanoseconds end = sample(1).knot;
   const Target last = spline(1, end);

@@ -1,6 +1,7 @@
-// What spacenavd, the daemon of 6-DoF mice (3Dconnexion's SpaceMouse and others), sends on its unix socket to a client that says
-// nothing (protocol 0): eight integers of 32 bits in the order of the machine, the kind and then x y z rx ry rz and the
-// milliseconds since the last motion, or the number of a button. Read off spnav.h and the daemon's own events, spacenavd 1.1.
+// Messages of spacenavd, the daemon of 6-DoF mice (3Dconnexion's SpaceMouse and others), on its unix socket,
+// to a client that sends nothing (protocol 0). A message is eight 32-bit integers in native byte order: the
+// kind, then x y z rx ry rz and the ms since the last motion, or the number of a button. Derived from <spnav.h>
+// and events of spacenavd 1.1.
 #pragma once
 
 #include <array>
@@ -16,16 +17,18 @@ namespace godobject {
 struct SpacenavEvent {
   enum class Kind : std::uint8_t { motion, press, release };
   Kind kind = Kind::motion;
-  std::array<std::int32_t, 6>
-      axes{};               // of a motion: shift, turn; counts of the device times the daemon's sensitivity
-  std::int32_t button = 0;  // its number, from 0
+  // Axes of a motion: translation, rotation; counts of the device times the daemon's sensitivity.
+  std::array<std::int32_t, 6> axes{};
+  std::int32_t button = 0;  // button number, from 0
 };
 
 inline constexpr std::size_t spacenav_event_bytes = 32;
-/// A SpaceMouse gives 350 at its stops and the daemon multiplies that by its sensitivity; what is far beyond is no motion.
+/// Plausibility limits. A SpaceMouse sends 350 at its stops, times the daemon's sensitivity; far larger
+/// values are no motion.
 inline constexpr std::int32_t max_spacenav_counts = 100'000, max_spacenav_button = 255;
 
-/// other_message: an event of later protocols, which nobody has asked for. bad_value: the stream is not what it should be.
+/// Parses a message. Returns other_message for an event of later protocols, which this client does not
+/// request, bad_value for an invalid stream.
 [[nodiscard]] inline ParseResult decode(std::span<const std::uint8_t> bytes, SpacenavEvent& out) noexcept {
   if (const ParseResult size = check_size(bytes.size(), spacenav_event_bytes); size != ParseResult::ok)
     return size;
@@ -48,8 +51,8 @@ inline constexpr std::int32_t max_spacenav_counts = 100'000, max_spacenav_button
   return ParseResult::ok;
 }
 
-/// The daemon's axes are x to the right, y up and z away from the user, a left-handed frame; here they are x to the right, y
-/// away and z up, of a vector and, because the daemon turns the signs of both, of a rotation vector alike.
+/// Converts axes. The daemon's are x right, y up, z away from the user (left-handed); here x right, y away, z
+/// up. The same mapping holds for vectors and rotation vectors, because the daemon inverts the signs of both.
 inline Vec3 spacenav_vector(const SpacenavEvent& event, std::size_t first) noexcept {
   return {static_cast<double>(event.axes[first]), static_cast<double>(event.axes[first + 2]),
           static_cast<double>(event.axes[first + 1])};

@@ -51,7 +51,7 @@ void Tracker::measured(std::size_t tool, const Pose& X_TH, std::uint32_t frame, 
     return;
   }
   const std::uint32_t skipped = frame - sample.frame - 1;
-  // A count that went back, or jumped, began anew.
+  // a counter that decreased or jumped was restarted
   if (sample.number > 0 && skipped < 1000) report_.counters.lost_frames += skipped;
   ++report_.counters.samples;
   sample = {.state = state,

@@ -18,7 +18,7 @@ bool is_ndi(std::string_view text) noexcept {
          text.find("\rERROR") != text.npos || text.find("\rOKAY") != text.npos;
 }
 
-/// True if a whole record of a Polhemus is among the bytes.
+/// True if the bytes contain a whole Polhemus record.
 bool has_record(std::span<const std::uint8_t> bytes) noexcept {
   polhemus::RecordReceiver receiver;
   return std::ranges::any_of(bytes, [&](std::uint8_t byte) {
@@ -48,17 +48,17 @@ void UnreadBytes::describe(TrackerProtocol expected, std::uint32_t baud, std::sp
   }
   char remedy[80] = "";
   if (polhemus && is_ndi(text)) {
-    std::snprintf(remedy, sizeof remedy, "an NDI tracker answers so: protocol = \"ndi\"");
+    std::snprintf(remedy, sizeof remedy, "the answer is that of an NDI tracker: set protocol = \"ndi\"");
   } else if (!polhemus && has_record(known)) {
-    std::snprintf(remedy, sizeof remedy, "a Polhemus sends such records: protocol = \"polhemus\"");
+    std::snprintf(remedy, sizeof remedy, "the records are those of a Polhemus: set protocol = \"polhemus\"");
   } else if (all_text) {
     std::snprintf(remedy, sizeof remedy, "text, %s",
-                  polhemus ? "not binary records: wrong protocol, or ASCII mode that stays"
+                  polhemus ? "not binary records: wrong protocol, or fixed ASCII mode"
                            : "without NDI's CRC: wrong protocol");
   } else {
     std::snprintf(remedy, sizeof remedy, "wrong protocol, or baud (%u), or noise", unsigned{baud});
   }
-  std::snprintf(out.data(), out.size(), "%llu bytes not understood ('%s'): %s",
+  std::snprintf(out.data(), out.size(), "%llu bytes not recognised ('%s'): %s",
                 static_cast<unsigned long long>(count_), begin.data(), remedy);
 }
 

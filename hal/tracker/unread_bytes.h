@@ -1,4 +1,4 @@
-// Bytes of a tracker that were not understood, put into words: a line of text, another protocol, or noise.
+// Describes unrecognised bytes of a tracker: a line of text, another protocol, or noise.
 #pragma once
 
 #include <array>
@@ -10,15 +10,15 @@
 
 namespace godobject {
 
-/// The bytes since the last reply or record that was understood: how many there are, and how they begin.
+/// Bytes since the last recognised reply or record: their number and their beginning.
 class UnreadBytes {
  public:
   void add(std::span<const std::uint8_t> bytes) noexcept;
   void clear() noexcept { count_ = 0; }
   bool empty() const noexcept { return count_ == 0; }
 
-  /// Writes how many bytes came, how they begin and whose they may be, and ends with a zero.
-  /// expected: the protocol that the scene gives the tracker. baud: bit/s of the line.
+  /// Writes number, beginning and probable origin of the bytes, zero-terminated. expected: protocol of the
+  /// tracker in the scene. baud: bit/s of the line.
   void describe(TrackerProtocol expected, std::uint32_t baud, std::span<char> out) const noexcept;
 
  private:

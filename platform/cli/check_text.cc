@@ -15,7 +15,7 @@
 namespace godobject {
 namespace {
 
-/// "label                what".
+/// Returns "label                text".
 [[gnu::format(printf, 2, 3)]] std::string line(const char* label, const char* what, ...) {
   std::array<char, 512> text{};
   std::va_list arguments;
@@ -27,14 +27,14 @@ namespace {
   return out + text.data();
 }
 
-/// A number within a text.
+/// Returns a number between two texts.
 std::string with_number(const char* before, double x, const char* after) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", x);
   return std::string(before) + text.data() + after;
 }
 
-/// "6 encoders", "1 drive".
+/// Returns "6 encoders", "1 drive".
 std::string number_of(std::size_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
@@ -44,7 +44,7 @@ std::string where_it_runs(const RunOptions& options, const PreparedRun& prepared
     case BusChoice::sim: return "simulated";
     case BusChoice::direct:
       if (prepared.spacemouse) return "a SpaceMouse, by spacenavd";
-      return "none: the motion is handed over as it is";
+      return "none: the motion drives the core";
     case BusChoice::real: break;
   }
   std::string text = "real";
@@ -64,12 +64,12 @@ void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
   if (!device.trackers.empty()) text += ", " + number_of(device.trackers.size(), "tracker");
   if (device.spacemouse) text += ", a SpaceMouse";
   lines.push_back(line("device", "%s", text.c_str()));
-  lines.push_back(line("shown at most", "%g N, %g N m; %g N/s, %g N m/s; ramp %g s", device.limits.force,
+  lines.push_back(line("wrench limits", "%g N, %g N m; %g N/s, %g N m/s; ramp %g s", device.limits.force,
                        device.limits.torque, device.limits.force_rate, device.limits.torque_rate,
                        device.limits.ramp));
 }
 
-/// The table's rows without its head.
+/// Adds the rows of the table of time_to_zero.h without its head.
 void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& lines) {
   const SceneConfig& scene = prepared.session->scene();
   if (!scene.device || !scene.device->rig) return;
@@ -79,7 +79,7 @@ void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& li
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
 }
 
-/// Up to which angular velocity TR-BDF2 is of second order: the least of all bodies.
+/// Adds the angular velocity below which TR-BDF2 is of second order: the smallest bound of all bodies.
 void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
   if (scene.integrator != "tr-bdf2") return;
   const BodyConfig* fastest = nullptr;
@@ -93,14 +93,14 @@ void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
   if (fastest == nullptr) return;
   lines.push_back(
       line("integrator order",
-           "2; falls back to 1 (first_order) if '%s' exceeds %.3g rad/s or a contact or stop changes",
+           "2; falls back to 1 (limit first_order) if '%s' exceeds %.3g rad/s or a contact or stop changes",
            fastest->name.c_str(), bound));
 }
 
 void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<std::string>& lines) {
   if (c.contacts != ContactScope::none) {
     const ContactCounts counts = contact_counts(scene);
-    lines.push_back(line("contacts", "%zu of %zu spheres, %zu of %zu surfaces, at most %zu at a time",
+    lines.push_back(line("contacts", "%zu of %zu spheres, %zu of %zu surfaces, at most %zu at once",
                          counts.spheres, c.max_spheres, counts.surfaces, c.max_surfaces, c.max_contacts));
   }
   if (const std::string text = top_speed_text(scene); !text.empty())
@@ -117,10 +117,10 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
   std::size_t bytes = 0;
   for (const PartBytes& part : c.parts)
     if (part.name == "nets") bytes = part.params_bytes + part.state_bytes + part.scratch_bytes;
-  lines.push_back(line(
-      "nets", "%s: %zu of %zu nodes, %zu of %zu springs, %.3g kg; at most %zu contacts of nodes at a time",
-      number_of(nets.nets.size(), "net").c_str(), nets.nodes.size(), c.max_nodes, nets.springs.size(),
-      c.max_springs, mass, c.max_node_contacts));
+  lines.push_back(
+      line("nets", "%s: %zu of %zu nodes, %zu of %zu springs, %.3g kg; at most %zu contacts of nodes at once",
+           number_of(nets.nets.size(), "net").c_str(), nets.nodes.size(), c.max_nodes, nets.springs.size(),
+           c.max_springs, mass, c.max_node_contacts));
   const int stages = session.scene().integrator == integrator_names[0] ? 1 : 2;
   const double most = stages * nets.max_iterations;
   lines.push_back(
@@ -129,11 +129,10 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
            nets.springs.size(), most * static_cast<double>(nets.springs.size()),
            1e-6 * most * flops_of_an_iteration(nets)));
   if (!nets.attachments.empty())
-    lines.push_back(line("", "%zu of %zu attachments to other bodies, which time constants take for held",
+    lines.push_back(line("", "%zu of %zu attachments to other bodies, assumed held in the time constants",
                          nets.attachments.size(), c.max_attachments));
-  const std::string slowest = times.slowest
-                                  ? with_number("slowest at most ", *times.slowest, " s, carriers held")
-                                  : "no bound of the slowest: nodes without springs of anchors";
+  const std::string slowest = times.slowest ? with_number("slowest <= ", *times.slowest, " s, carriers held")
+                                            : "slowest not bounded, because nodes have no anchors";
   lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; %s", times.fastest,
                        times.fastest / session.scene().step, slowest.c_str()));
 }

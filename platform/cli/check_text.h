@@ -1,4 +1,4 @@
-// The dozen lines that `check` says about a scene that would run.
+// The dozen lines of `check` about a valid scene.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// What runs, on what, how full its buses are, within which bounds.
+/// Returns scene, device, load of the buses and bounds as lines.
 std::vector<std::string> check_lines(const RunOptions& options, const PreparedRun& prepared);
 
 }  // namespace godobject

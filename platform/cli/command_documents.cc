@@ -5,7 +5,7 @@
 namespace godobject {
 namespace {
 
-/// Text for roff: no dash is a hyphen, no line a request.
+/// Escapes text for roff, so that no dash becomes a hyphen and no line a request.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -32,11 +32,11 @@ void add_verb(std::string& page, const CLI::App& verb, const std::string& path) 
   for (const CLI::App* sub : verbs_of(verb)) add_verb(page, *sub, path + " " + sub->get_name());
 }
 
-/// The lines of the three `case` statements of the completion.
+/// Branches of the three `case` statements of the completion.
 struct Cases {
-  std::string paths;   // which words lead to a verb
-  std::string values;  // what an option may be followed by
-  std::string words;   // what a verb has
+  std::string paths;   // words that lead to a verb
+  std::string values;  // words that may follow an option
+  std::string words;   // words of a verb
 };
 
 std::vector<std::string> names_of(const CLI::Option& option) {

@@ -1,5 +1,4 @@
-// What a packager installs beside the program: made from the description of the command line, so that it cannot say
-// anything else.
+// Documents that a packager installs beside the program, generated from the description of the command line.
 #pragma once
 
 #include <string>
@@ -8,10 +7,11 @@
 
 namespace godobject {
 
-/// In roff, section 1.
+/// Returns the manual page in roff, section 1.
 std::string man_page(const CLI::App& app, const std::string& version);
 
-/// It completes verbs, options and the values of options; file names elsewhere.
+/// Returns the completion of bash for verbs, options and the values of options; elsewhere it completes file
+/// names.
 std::string bash_completion(const CLI::App& app);
 
 }  // namespace godobject

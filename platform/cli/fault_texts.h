@@ -1,5 +1,5 @@
-// Every fault of the core, of a rig and of a run: name, meaning, remedy. What `godobject faults` prints, what
-// reports and traces call them by; docs/faults.md has the same names (tested).
+// Name, meaning and remedy of every fault of the core, of a rig and of a run. `godobject faults` prints them;
+// reports and traces use the names. docs/faults.md has the same names (tested).
 #pragma once
 
 #include <array>
@@ -23,30 +23,32 @@ struct CoreFaultText {
 
 inline constexpr std::array<CoreFaultText, 6> core_fault_texts{{
     {Fault::input_not_finite,
-     {"input_not_finite", "an input was not a finite number; those steps were not taken",
+     {"input_not_finite", "an input was NaN or infinite; those steps were not taken",
       "find the source of the sample: encoders and trackers mark bad samples invalid, which is no fault"}},
     {Fault::input_not_unit,
      {"input_not_unit",
-      "a target's quaternion was not of unit length, or an increment more than half a turn; those steps were "
+      "a target's quaternion was not of unit length, or an increment exceeded half a turn; those steps were "
       "not taken",
-      "normalise where the sample is made"}},
+      "normalise the quaternion where the sample is made"}},
     {Fault::state_not_finite,
-     {"state_not_finite", "a step's result was not finite and was not taken",
+     {"state_not_finite",
+      "a step's result was NaN or infinite; the step was not taken and the old state was kept",
       "lower the stiffness or the step"}},
     {Fault::contacts_full,
-     {"contacts_full", "more contacts at a time than the scene has room for; the deepest were kept",
-      "fewer spheres, or a composition with room for more: godobject check prints what the scene has"}},
+     {"contacts_full", "more contacts at once than the composition has room for; only the deepest were kept",
+      "use fewer spheres, or a composition with a larger capacity: godobject check prints the capacity of "
+      "the scene's"}},
     {Fault::blocks_full,
      {"blocks_full",
-      "contacts couple more pairs of bodies than the solver has blocks for; those steps were iterated, to "
-      "the residual "
-      "of the contact report",
-      "fewer bodies in one heap, or a composition with room for more"}},
+      "contacts coupled more pairs of bodies than the solver has blocks for; those steps were solved by "
+      "iteration, with the residual of the contact report",
+      "use fewer bodies in one heap, or a composition with a larger capacity"}},
     {Fault::energy_gained,
      {"energy_gained",
       "total energy rose by more than 1 % within 1 s without external work; the simulation is not valid from "
-      "then on. A single step that would have held 100 times the energy was not taken",
-      "a shorter step; softer couplings, contacts or stops; less contrast of masses in an articulated tool"}},
+      "then on. A single step with more than 100 times the energy was not taken",
+      "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
+      "tool"}},
 }};
 
 enum class RunFault : std::size_t {
@@ -62,30 +64,33 @@ enum class RunFault : std::size_t {
   held,
 };
 
-/// In the order of RunFault.
+/// Texts in the order of RunFault.
 inline constexpr std::array<FaultText, 10> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
     {"not_set_up", "a node could not be commissioned; no cycle was run",
-     "the line says device, object, what happened and the line of its profile"},
-    {"tracker_not_ready", "a tracker did not get to tracking within its boot_timeout; no cycle was run",
-     "the line says which, on which port, and what it waits for; see docs/trackers.md"},
+     "read the line of the fault: it names device, object, cause and the line of the profile"},
+    {"tracker_not_ready", "a tracker did not start to track within its boot_timeout; no cycle was run",
+     "read the line of the fault: it names the tracker, its port and the awaited answer; see "
+     "docs/trackers.md"},
     {"recovered", "with --rearm auto: the device was lost and armed again",
-     "see the faults that are named with it"},
+     "read the remedies of the faults named with it"},
     {"unreachable", "the motion left the workspace of the device, or met a singular configuration",
      "move the device's base, or scale the motion"},
-    {"file_incomplete", "a trace, record or report could not be written in full", "is the disk full?"},
-    {"records_lost", "a real-time run made trace rows or frames faster than the disk took them",
-     "a faster disk, a memory file system, or no --record; the run itself was not disturbed"},
-    {"deadlines_missed", "without a rig: 20 deadlines in a row were missed; from there on nothing was shown",
-     "look at what else runs on this machine and at the real-time set-up"},
-    {"force_oscillates",
-     "of a scene without a rig: the force shown to the hand swung between its bounds for 0.5 s",
-     "lower the feedback's damping and stiffness, or raise the limit that it meets"},
+    {"file_incomplete", "a trace, record or report could not be written in full",
+     "free space on the disk; keep the reader of a FIFO running"},
+    {"records_lost",
+     "a real-time run produced trace rows or frames faster than the disk took them; the run itself was not "
+     "disturbed",
+     "use a faster disk or a memory file system, or omit --record"},
+    {"deadlines_missed",
+     "without a rig: 20 deadlines in a row were missed; from then on no force was displayed",
+     "end other programs on this machine, and check the real-time set-up; see docs/running.md"},
+    {"force_oscillates", "without a rig: the displayed force swung between its bounds for 0.5 s",
+     "lower the feedback's damping and stiffness, or raise the limit that it reaches"},
     {"held",
-     "on a device: deadlines were missed, so the pose was held and the force faded for more than 5 % of the "
-     "run",
-     "end what else runs on this machine, and look at the real-time set-up; see docs/running.md"},
+     "on a device: deadlines were missed; the pose was held and the force faded for more than 5 % of the run",
+     "end other programs on this machine, and check the real-time set-up; see docs/running.md"},
 }};
 
 constexpr const FaultText& text_of(RunFault fault) noexcept {

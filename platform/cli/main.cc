@@ -1,4 +1,4 @@
-// godobject for hardware alone: a build with GODOBJECT_SIM=OFF, in which nothing is simulated.
+// godobject without simulation: main() of a build with GODOBJECT_SIM=OFF.
 #include "platform/cli/program.h"
 
 int main(int argc, char** argv) { return godobject::run_program(argc, argv, {}); }

@@ -32,8 +32,9 @@ CLI::Validator port_number() {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
     const bool complete =
         error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= highest;
-    return text.empty() || complete ? ""
-                                    : "'" + text + "' is no port, from 1 to 65535; SCENE comes before --view";
+    return text.empty() || complete
+               ? ""
+               : "'" + text + "' is not a port number, 1 to 65535; write SCENE before --view";
   };
   return {check, "", "port"};
 }

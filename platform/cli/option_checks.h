@@ -1,15 +1,15 @@
-// Checks of option values: CLI11's own let NaN through and do not say what is admissible.
+// Checks of option values. Those of CLI11 accept NaN and do not name the admissible values.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 namespace godobject {
 
-/// A number from min to max, both admissible.
+/// Requires a number in [min, max].
 CLI::Validator number_in(double min, double max);
-/// A number above min and up to max.
+/// Requires a number in (min, max].
 CLI::Validator number_above(double min, double max);
-/// A port of TCP, or nothing.
+/// Requires a TCP port, or an empty text.
 CLI::Validator port_number();
 
 }  // namespace godobject

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t help_width = 80, about_column = 28;
 
-/// CLI11's words for a constraint, in ours.
+/// Translates CLI11's text of a constraint.
 std::string constraint_text(std::string text) {
   if (text == "POSITIVE") return "> 0";
   const std::string range = "INT in [";
@@ -28,7 +28,7 @@ std::string joined(const std::vector<std::string>& words, const char* between) {
   return text;
 }
 
-/// A name in the left column, the text beside it, or below where the name is long.
+/// Returns a name in the left column with its text beside it, or below it if the name is long.
 std::string entry(const std::string& name, const std::string& about) {
   const std::string left = "  " + name;
   const std::string gap = left.size() + 2 > about_column ? "\n" + std::string(about_column, ' ')

@@ -17,25 +17,26 @@
 namespace godobject {
 namespace {
 
-/// All that was printed has arrived; a full disk behind `> FILE` shows only when the rest is written out.
+/// True if all printed text was written. A full disk behind `> FILE` is detected only by this last flush.
 bool standard_output_is_complete() {
   errno = 0;
   std::cout.flush();
   const bool complete = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
   if (!complete) {
-    const char* const why = errno == 0 ? "is its disk full, or its reader gone?" : std::strerror(errno);
+    const char* const why =
+        errno == 0 ? "the disk may be full, or the reader may have closed it" : std::strerror(errno);
     std::fprintf(stderr, "standard output could not be written: %s\n", why);
   }
   return complete;
 }
 
-/// The verb that was understood last, and its own verbs in turn.
+/// Returns the last verb that was parsed, or its own verb in turn.
 const CLI::App& innermost(const CLI::App& app) {
   const std::vector<CLI::App*> given = app.get_subcommands();
   return given.empty() ? app : innermost(*given.front());
 }
 
-/// Verbs and options that a word may have been meant for.
+/// Returns the verbs or options for which a word may be a misspelling.
 std::vector<std::string> known_words(const CLI::App& verb, bool option) {
   std::vector<std::string> known;
   if (!option)
@@ -47,7 +48,7 @@ std::vector<std::string> known_words(const CLI::App& verb, bool option) {
   return known;
 }
 
-/// "did you mean 'check'?" for the first word that the program does not have; empty: nothing is near it.
+/// Returns "did you mean 'check'?" for the first unknown word; empty if nothing is near it.
 std::string hint_for(const CLI::App& app, int argc, char** argv) {
   const CLI::App& verb = innermost(app);
   const std::vector<std::string> unknown =
@@ -63,10 +64,10 @@ std::string hint_for(const CLI::App& app, int argc, char** argv) {
   return "";
 }
 
-/// Throws where something is defective or out of memory.
+/// Runs the program. Throws if memory runs out or on a defect.
 ExitCode run(int argc, char** argv, const Simulation& simulation) {
   ExitCode code = ExitCode::ok;
-  CLI::App app("A tool in a simulated scene, pulled to a tracked device by a damped spring.", "godobject");
+  CLI::App app("Couple a tool in a simulated scene to a tracked device by a damped spring.", "godobject");
   app.set_version_flag("--version", GODOBJECT_VERSION);
   app.require_subcommand(0, 1);
   app.formatter(std::make_shared<HelpFormat>());
@@ -119,14 +120,18 @@ int run_program(int argc, char** argv, const Simulation& simulation) {
     try {
       code = run(argc, argv, simulation);
     } catch (const std::bad_alloc&) {
-      std::fputs("out of memory: a smaller scene, a shorter motion, or more of it (ulimit -v)\n", stderr);
+      std::fputs(
+          "out of memory: use a smaller scene or a shorter motion, or raise the limit of memory (ulimit "
+          "-v)\n",
+          stderr);
     } catch (const std::exception& error) {
-      std::fprintf(stderr, "a defect of the program: %s\n", error.what());
+      std::fprintf(stderr, "internal error, a defect of this program: %s\n", error.what());
     }
   };
   if (!call_on_large_stack(guarded))
     std::fputs(
-        "out of memory: the stack is small (ulimit -s), and there is no memory for another (ulimit -v)\n",
+        "out of memory: the stack is too small (raise ulimit -s), and another cannot be allocated (raise "
+        "ulimit -v)\n",
         stderr);
   return static_cast<int>(code);
 }

@@ -1,5 +1,5 @@
-// godobject: the program. Its main() says what it simulates: platform/cli/main.cc nothing, platform/cli/simulate/main.cc the
-// devices of scenes.
+// The program godobject. Its main() sets the simulation: none in platform/cli/main.cc, the devices of scenes
+// in platform/cli/simulate/main.cc.
 #pragma once
 
 #include "platform/cli/verbs.h"
@@ -7,16 +7,16 @@
 
 namespace godobject {
 
-/// What a program can do that links simulated devices. As it is here: nothing.
+/// Functions of a program that links simulated devices. Default: none.
 struct Simulation {
   SimulatedDevices devices{};
-  void (*add_verb)(CLI::App& app, ExitCode& code) = nullptr;  // `simulate`
+  void (*add_verb)(CLI::App& app, ExitCode& code) = nullptr;  // adds `simulate`
 };
 
-/// All verbs, in the order in which help lists them.
+/// Adds all verbs, in the order of help.
 void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code);
 
-/// What main() returns.
+/// Runs the program and returns the exit code of main().
 int run_program(int argc, char** argv, const Simulation& simulation);
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// How soon each drive's torque is gone when this program has died, as a table.
+// Table of the time in which each drive's torque vanishes after the death of this program.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// A head and one line for each drive; none for a rig without drives.
+/// Returns a head and one line for each drive; empty for a rig without drives.
 std::vector<std::string> time_to_zero_lines(const RigParams& rig, const RigProfiles& profiles);
 
 }  // namespace godobject

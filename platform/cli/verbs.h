@@ -1,35 +1,31 @@
 // The program's verbs. A new one is a file in verb/, a line in the list below and one in program.cc.
-//
-// The room: program.cc takes the command line apart; verb/ has a file for each verb; bus/ is what verbs do on one bus, drive/
-// on one drive, run/ the verb `run`, report/ what it says, simulate/ the verb `simulate`. check_text.h, fault_texts.h and time_to_zero.h say things in
-// words; option_*.h read what options give; command_documents.h makes the manual page and the
-// completion.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 namespace godobject {
 
-/// What the program exits with.
+/// Exit code of the program.
 enum class ExitCode : int {
   ok = 0,
   fault = 1,          // during the run, or a file that could not be written
-  usage = 2,          // wrong options or a wrong file: nothing was done
-  not_available = 3,  // this machine does not have what was asked for
+  usage = 2,          // wrong options or a wrong file; nothing was done
+  not_available = 3,  // this machine does not have a requested resource
 };
 
 struct FaultChecks;
 struct RunOptions;
 struct SimulatedDevices;
 
-/// The options of `run`, which `check` has too.
+/// Adds the options of `run`, which `check` shares.
 void add_run_options(CLI::App& verb, RunOptions& options);
 
-// Each adds its verb to `app`; when it has run, its exit code is in `code`, which outlives `app`. Those that read scenes are told
-// what the program simulates.
+// Each function adds its verb to `app`. When the verb has run, its exit code is in `code`, which outlives
+// `app`. Verbs that read scenes receive the simulation of the program.
 void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
 void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
-void add_simulate(CLI::App& app, ExitCode& code);  // of programs that simulate: see platform/cli/program.h
+// only in programs that simulate, see platform/cli/program.h
+void add_simulate(CLI::App& app, ExitCode& code);
 void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code);

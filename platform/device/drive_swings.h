@@ -1,4 +1,5 @@
-// Watches what drives are commanded for swinging between their bounds: a hand and a spring that no drive can show stable.
+// Watches drive commands for oscillation between their bounds, as caused by feedback that the drives cannot
+// display in a stable way.
 #pragma once
 
 #include <optional>
@@ -12,13 +13,13 @@ namespace godobject {
 
 class DriveSwings {
  public:
-  /// step: s. Allocates; nothing later does.
+  /// Allocates; the other functions do not. step: period, s.
   DriveSwings(std::span<const DriveParams> drives, double step) {
     for (const DriveParams& drive : drives)
       watches_.emplace_back(drive.torque_max_Nm, drive.torque_rate_Nm_per_s, step);
   }
 
-  /// The drives' commands in this step, as the rig sent them. The drive that swings, if any.
+  /// Updates with the commands that the rig sent in this step. Returns the oscillating drive, if any.
   std::optional<std::size_t> commands(const Rig& rig, const CommandReport& report) noexcept {
     std::optional<std::size_t> swings;
     for (std::size_t i = 0; i < watches_.size(); ++i) {

@@ -1,10 +1,5 @@
-// What a session's bodies follow: a motion handed over, a rig on its buses, trackers. Each is one file; a new one is one
-// more.
-//
-// The room: rig.h, trackers.h, handed_motion.h, spacemouse.h implement it (and platform/view/pointer.h the page's pointer);
-// phases.h takes devices from their first period to their last; streamed_target.h plays back what another thread says,
-// tracked_poses.h what trackers say, led_joints.h leads joints of the scene by joints of the device, drive_swings.h watches
-// what drives are commanded.
+// Interface of the devices that a session's bodies follow: a prescribed motion, a rig on its buses, trackers.
+// Each device is one file.
 #pragma once
 
 #include <optional>
@@ -17,16 +12,17 @@
 
 namespace godobject {
 
-/// One period of a run, as the devices of a session go through it in their order.
+/// One period of a run, passed to the devices of a session in their order.
 struct Period {
   double t = 0;                  // of the motion, s
   double step = 0;               // s
-  Nanoseconds began_before = 0;  // the period before
-  Nanoseconds began = 0;         // of the devices' clock: when it began
-  Nanoseconds now = 0;           // and after the answers to it
-  bool has_begun = false;        // a device's clock has said when
+  Nanoseconds began_before = 0;  // start of the period before, ns
+  Nanoseconds began = 0;         // start of this period on the devices' clock, ns
+  Nanoseconds now = 0;           // time after the answers of this period, ns
+  bool has_begun = false;        // true if a device has set `began` by its clock
 
-  /// For devices that have no clock of their own: by this one, or, where that is null, a step after the period before.
+  /// Sets the start of the period for devices without a clock of their own.
+  /// clock: time source; null: a step after the period before.
   void begin_by(Nanoseconds (*clock)() noexcept) noexcept {
     if (has_begun) return;
     began = clock != nullptr ? clock() : began + to_ns(step);
@@ -35,15 +31,14 @@ struct Period {
   }
 };
 
-/// What became of a step's wrenches on a device that shows them.
+/// Outcome of a step's wrenches on a device that displays them.
 struct Shown {
   CommandReport drives;
   RigFault faults = RigFault::none;
-  bool oscillates =
-      false;  // what is shown has begun to swing between its bounds; set before where wrenches do
+  bool oscillates = false;  // displayed force oscillates between its bounds; set on entry if the wrenches do
 };
 
-/// What is wrong with a run that a device has to answer.
+/// Trouble of a run that a device must answer.
 enum class RunTrouble : std::uint8_t {
   energy_gained,
   deadlines_missed,  // so many in a row that drives had no command
@@ -53,46 +48,50 @@ class HandDevice {
  public:
   virtual ~HandDevice() = default;
 
-  // From the first period to the first step; all but boot_limit_s() is real-time, as all that follows.
+  // Phase before the first step. All functions but boot_limit_s() are real-time, here and below.
 
-  /// How long it may take to come up, s: at least so long it is waited for. None: it is up by itself.
+  /// Returns the time the device may take to boot, s; the run waits at least as long. None for devices that
+  /// need not boot.
   virtual std::optional<double> boot_limit_s() const noexcept { return std::nullopt; }
-  /// One period of booting.
+  /// Runs one period of booting.
   virtual void boot(Period&) noexcept {}
   virtual bool ready() const noexcept { return true; }
-  /// Once all devices are ready: from now on it may make torque. False: not yet.
+  /// Enables torque; called once all devices are ready. Returns false if not possible yet.
   virtual bool arm() noexcept { return true; }
   virtual bool failed() const noexcept { return false; }
 
-  // Once a period.
+  // Each period:
 
-  /// Writes what it knows of the hand into the bodies' samples, over what the devices before it have written.
+  /// Writes the state of the hand into the bodies' samples, over that of the devices before.
   virtual void read(Period& period, std::span<BodySample> samples) noexcept = 0;
-  /// Shows the hand what it is to feel: F_hand_W of each body, of those that follow none it does not matter.
+  /// Displays the wrenches to the hand. F_hand_W: one per body, world axes; ignored for bodies without a
+  /// device.
   virtual void command(Period&, std::span<const Wrench>, Shown&) noexcept {}
   virtual void tell(RunTrouble) noexcept {}
 
-  // Where the device takes hold of bodies.
+  // For devices that grip bodies:
 
-  /// Which it wants. Nothing: what the motion says.
+  /// Body to hold. None: the motion decides.
   virtual std::optional<HoldWish> hold() const noexcept { return std::nullopt; }
-  /// It has a button that takes hold of the nearest body, or lets go; and that went down in this period.
+  /// True if the device has a button that grips the nearest body or releases the held one. hold_pressed():
+  /// true if it was pressed in this period.
   virtual bool has_hold_button() const noexcept { return false; }
   virtual bool hold_pressed() const noexcept { return false; }
 
-  // From the last step to the last period.
+  // From the last step to the last period:
 
-  /// It has drives: their torque has to run down, and they are switched off.
+  /// True if the device has drives. Their torque must run down before they are switched off.
   virtual bool makes_torque() const noexcept { return false; }
-  /// Torque runs down from the next period on; or each drive gets rid of it by its own fastest means.
+  /// disarm(): the torque runs down from the next period on. quick_stop(): each drive removes it by its own
+  /// fastest means.
   virtual void disarm() noexcept {}
   virtual void quick_stop() noexcept {}
-  /// One period of running down; false when no drive that can still be told otherwise is commanded torque.
+  /// Runs one ramp-down period. Returns false once every reachable drive is commanded zero torque.
   virtual bool run_down(Period&) noexcept { return false; }
-  /// Drives are disabled, nodes go pre-operational: their frames leave in the periods of close().
+  /// Disables drives and sets nodes pre-operational. The frames are sent in the periods of close().
   virtual void stop(Period&) noexcept {}
   virtual void close(Period&) noexcept {}
-  /// It knows nothing of what was, and boots afresh. Allocates.
+  /// Discards the device's state, so that it boots again. Allocates.
   virtual void restart() {}
 };
 

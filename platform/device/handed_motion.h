@@ -1,33 +1,33 @@
-// A motion as the device: what it says of the target, the hand's wrench and the switches is handed to the core as it is.
+// A motion as the device: targets, wrenches of the hand and switches are passed to the core unchanged.
 #pragma once
 
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_joints.h"
 #include "platform/motion/motion.h"
 
 namespace godobject {
 
 class HandedMotion final : public HandDevice {
  public:
-  /// motion: of this scene; it outlives this. Allocates; nothing later does.
+  /// Allocates; the other functions do not. motion: a motion of this scene, which must outlive this object.
   HandedMotion(const SceneConfig& scene, const Motion& motion)
       : motion_(motion),
         driven_(driven_bodies(scene)),
-        joints_(motion.has_joints() ? LedJoints(scene) : LedJoints()) {}
+        joints_(motion.has_joints() ? PrescribedJoints(scene) : PrescribedJoints()) {}
 
   void read(Period& period, std::span<BodySample> samples) noexcept override {
     for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples[driven_[i]] = sample(i, period.t);
-    lead_joints(period.t, samples);
+    write_joints(period.t, samples);
   }
 
-  /// Where the motion is one of the device's joints.
-  void lead_joints(double t, std::span<BodySample> samples) const noexcept {
-    if (motion_.has_joints()) joints_.lead(motion_.joints(t), true, samples);
+  /// Writes the prescribed joints' coordinates, if the motion is one of the device's joints.
+  void write_joints(double t, std::span<BodySample> samples) const noexcept {
+    if (motion_.has_joints()) joints_.write(motion_.joints(t), true, samples);
   }
 
-  /// The sample of the target of this index: see Motion.
+  /// Returns the sample of the target of this index: see Motion.
   BodySample sample(std::size_t index, double t) const noexcept {
     const MotionSwitches switches = motion_.switches(index, t);
     return {.target = motion_.target(index, t),
@@ -40,7 +40,7 @@ class HandedMotion final : public HandDevice {
  private:
   const Motion& motion_;
   std::vector<std::size_t> driven_;
-  LedJoints joints_;
+  PrescribedJoints joints_;
 };
 
 }  // namespace godobject

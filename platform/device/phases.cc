@@ -6,7 +6,8 @@
 namespace godobject {
 namespace {
 
-/// The last frames are no more than a few cycles': a command to each drive, a message to each node.
+/// Periods for the last frames, which are those of a few cycles: a command to each drive, a message to each
+/// node.
 constexpr std::int64_t closing_periods = 10;
 
 }  // namespace
@@ -59,7 +60,7 @@ void DevicePhases::boot(Period& period) noexcept {
   }
 }
 
-/// None is armed before all are ready.
+/// Arms the devices once all are ready.
 bool DevicePhases::arm() noexcept {
   return std::ranges::all_of(devices_, &HandDevice::ready) && std::ranges::all_of(devices_, &HandDevice::arm);
 }

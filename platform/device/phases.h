@@ -1,5 +1,5 @@
-// Devices from their first period to their last: booting, running, running down, closing. A session goes through it, and
-// whoever has a step of his own.
+// Phases of devices from the first to the last period: booting, running, running down, closing. Used by
+// Session and by programs with a step of their own.
 #pragma once
 
 #include <vector>
@@ -8,40 +8,42 @@
 
 namespace godobject {
 
-/// Time of the devices that booting may take; a rig's own boot_timeout_s is shorter, and says which node.
+/// Limit for booting, s. A rig's own boot_timeout_s is shorter and reports the missing node.
 inline constexpr double usual_boot_limit_s = 10;
 inline constexpr double shut_down_limit_s = 2;
 
-/// What a period is for. A run goes through them in this order; a fault or stop() leaves some out.
+/// Purpose of a period. A run passes through these in order; a fault or stop() skips some.
 enum class RunPhase : std::uint8_t {
   off,
-  booting,       // the nodes come up, the hand of a simulated rig at rest
+  booting,       // nodes boot; the hand of a simulated rig is at rest
   running,       // motion and steps
   running_down,  // torque runs down to zero
-  closing,       // drives disabled, nodes pre-operational: their frames leave
+  closing,       // drives disabled, nodes pre-operational; their frames are sent
   ended,
 };
 
 class DevicePhases {
  public:
-  /// step: s.
+  /// step: period, s.
   explicit DevicePhases(double step) { period_.step = step; }
 
-  /// One more device, which outlives this; devices go through each period in the order in which they are added. Allocates.
+  /// Adds a device, which must outlive this object. Devices run each period in the order of adding.
+  /// Allocates.
   void add(HandDevice& device) { devices_.push_back(&device); }
   std::span<HandDevice* const> devices() const noexcept { return devices_; }
 
-  /// off -> booting, given up after `limit_s`, or the limit of the slowest device; where none boots -> running.
+  /// Enters booting from off, or running if no device boots.
+  /// limit_s: time after which booting fails, s; the slowest device may prolong it.
   void start(double limit_s) noexcept;
-  /// One period that is no step. t: of the motion, s.
+  /// Runs one period that is no step. t: time of the motion, s.
   void advance(double t) noexcept;
-  /// One period that is a step: it begins.
+  /// Starts a period that is a step. t: time of the motion, s.
   Period& begin(double t) noexcept;
-  /// booting, running -> running_down; without a device that makes torque, or before start() -> ended.
+  /// Enters running_down from booting or running; ended if no device makes torque or before start().
   void stop() noexcept;
   /// stop() without running down.
   void quick_stop() noexcept;
-  /// ended -> off: the devices know nothing of what was. Allocates.
+  /// Enters off from ended; the devices discard their state. Allocates.
   void restart();
 
   RunPhase phase() const noexcept { return phase_; }
@@ -61,7 +63,7 @@ class DevicePhases {
   std::vector<HandDevice*> devices_;
   Period period_;
   RunPhase phase_ = RunPhase::off;
-  std::int64_t periods_left_ = 0;  // of this phase at most
+  std::int64_t periods_left_ = 0;  // maximum for the present phase
 };
 
 }  // namespace godobject

@@ -8,7 +8,7 @@
 namespace godobject {
 
 Nanoseconds gather_time(double step) noexcept {
-  constexpr double gather_share = 0.75;  // of the period
+  constexpr double gather_share = 0.75;  // fraction of the period
   const auto period_ns = static_cast<double>(std::llround(step * 1e9));
   return static_cast<Nanoseconds>(gather_share * period_ns) / gather_polls * gather_polls;
 }
@@ -17,13 +17,13 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
   const RigParams rig = rig_of(scene);
   std::vector<std::string> errors = validate(rig);
   if (scene.device->kind == DeviceKind::admittance)
-    errors.push_back("admittance devices run with --bus direct for now");
+    errors.push_back("an admittance device runs only with --bus direct");
   if (!errors.empty()) return errors;
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t handle = 0; handle < by_handle.size(); ++handle)
     if (!by_handle[handle])
       errors.push_back("handle of body '" + rig.tree.handles[handle].body +
-                       "': the scene has no such coupled body");
+                       "': the scene has no coupled body of this name");
   return errors;
 }
 
@@ -44,7 +44,7 @@ void RigDevice::boot(Period& period) noexcept {
   static_cast<void>(send(period, {}));
 }
 
-/// SYNC, and its answers: until all are in or their share of the period is over.
+/// Sends SYNC and receives the answers, until all have arrived or their share of the period is over.
 DeviceSample RigDevice::exchange(Period& period, bool starting) noexcept {
   period.began = link_->begin_cycle(period.t);
   period.has_begun = true;
@@ -72,10 +72,11 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
     sample.valid = valid;
     if (has_clutch) sample.clutch = buttons_.clutch;
   }
-  joints_.lead({.q = device.q, .q_dot = device.q_dot}, valid, samples);
+  joints_.write({.q = device.q, .q_dot = device.q_dot}, valid, samples);
 }
 
-/// The drives show it; what they are commanded is watched for swinging between its bounds.
+/// Displays the wrenches on the drives, and watches the drives' commands for oscillation between their
+/// bounds.
 void RigDevice::command(Period& period, std::span<const Wrench> F_hand_W, Shown& shown) noexcept {
   std::array<Wrench, max_handles> of_handles;
   for (std::size_t k = 0; k < bodies_.size(); ++k) of_handles[k] = F_hand_W[bodies_[k]];
@@ -99,7 +100,7 @@ CommandReport RigDevice::send(Period& period, std::span<const Wrench> F_hand_W) 
   return report;
 }
 
-/// A period without SYNC.
+/// Receives frames in a period without SYNC.
 void RigDevice::take_in(Period& period) noexcept {
   period.began = link_->begin_cycle(period.t);
   period.has_begun = true;
@@ -115,11 +116,11 @@ bool RigDevice::run_down(Period& period) noexcept {
 }
 
 void RigDevice::stop(Period& period) noexcept {
-  take_in(period);  // room in the transmit queues
+  take_in(period);  // makes space in the transmit queues
   rig_->stop();
 }
 
-/// To a drive that can still be told otherwise.
+/// True if any drive on a bus that still works is commanded torque.
 bool RigDevice::commands_torque() const noexcept {
   for (std::size_t i = 0; i < rig_->num_drives(); ++i)
     if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_->buses()[params_.drives[i].bus]->state()))

@@ -1,4 +1,4 @@
-// A rig on its buses as the device: encoders say where its handles are, drives show the force.
+// A rig on its buses as the device: encoders measure the handles' poses, drives display the force.
 #pragma once
 
 #include <memory>
@@ -9,17 +9,17 @@
 #include "hal/rig/rig.h"
 #include "platform/device/drive_swings.h"
 #include "platform/device/hand_device.h"
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_joints.h"
 
 namespace godobject {
 
 class RigDevice final : public HandDevice {
  public:
-  /// What cannot be of the scene's rig; nothing where it can be used. It needs one.
+  /// Returns the errors of the scene's rig (which must exist); empty if it can be used.
   static std::vector<std::string> complaints(const SceneConfig& scene);
 
-  /// complaints() is empty. link: its buses may still be closed: to be opened before the first period. Allocates; nothing
-  /// later does but restart().
+  /// Allocates; of the other functions only restart() does. complaints() must be empty.
+  /// link: its buses may still be closed, but must be open before the first period.
   RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link);
 
   std::optional<double> boot_limit_s() const noexcept override { return 0; }  // its own is shorter
@@ -42,13 +42,13 @@ class RigDevice final : public HandDevice {
   bool has_hold_button() const noexcept override { return rig_->has_button(ButtonUse::hold); }
   bool hold_pressed() const noexcept override { return buttons_.hold && !buttons_before_.hold; }
 
-  /// Coordinates of the device's joints in the last step; without size before the first.
+  /// Coordinates of the device's joints in the last step; empty before the first.
   const JointVector& q() const noexcept { return q_; }
   const Rig& rig() const noexcept { return *rig_; }
   RigLink& link() noexcept { return *link_; }
   const RigLink& link() const noexcept { return *link_; }
   std::span<CanBus* const> buses() const noexcept { return link_->buses(); }
-  /// Sums over all rigs so far: see restart().
+  /// Returns sums over all rigs so far: see restart().
   RigCounters counters() const noexcept;
 
  private:
@@ -58,8 +58,8 @@ class RigDevice final : public HandDevice {
   bool commands_torque() const noexcept;
 
   RigParams params_;
-  std::vector<std::size_t> bodies_;  // of each handle
-  LedJoints joints_;
+  std::vector<std::size_t> bodies_;  // one per handle
+  PrescribedJoints joints_;
   std::unique_ptr<RigLink> link_;
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;
@@ -69,8 +69,8 @@ class RigDevice final : public HandDevice {
   JointVector q_;
 };
 
-/// Answers to a SYNC are waited for so long; the rest of the period is for the step and the commands. A simulated bus is
-/// polled so many times in it.
+/// Time to wait for the answers to a SYNC, ns. The rest of the period is for the step and the commands.
+/// gather_polls: polls of a simulated bus within this time.
 inline constexpr int gather_polls = 16;
 Nanoseconds gather_time(double step) noexcept;
 

@@ -1,5 +1,5 @@
-// A SpaceMouse as the device: rate control. How far its cap is pushed and turned is how fast the target moves, because the cap
-// travels a millimetre and springs back (docs/decisions/051-spacemouse.md).
+// A SpaceMouse as the device, in rate control: the deflection of its cap sets the velocity of the target. The
+// cap travels only a millimetre and springs back (docs/decisions/051-spacemouse.md).
 #pragma once
 
 #include "hal/tracker/spacenav.h"
@@ -9,21 +9,21 @@
 
 namespace godobject {
 
-/// Samples leave the thread so often.
+/// Interval of the thread's samples, ns.
 inline constexpr Nanoseconds spacemouse_tick_ns = 10'000'000;
 
 class SpaceMouse final : public HandDevice {
  public:
-  /// The scene has one. clock: of the loop, and of take() and tick().
+  /// scene: must have a SpaceMouse. clock: clock of the loop, of take() and of tick().
   SpaceMouse(const SceneConfig& scene, Nanoseconds (*clock)() noexcept);
 
-  // The thread that reads the daemon:
+  // For the thread that reads the daemon:
 
   void take(const SpacenavEvent& event) noexcept;
-  /// Every spacemouse_tick_ns. connected: the daemon is there.
+  /// Emits a sample; to be called every spacemouse_tick_ns. connected: true while the daemon is connected.
   void tick(bool connected) noexcept;
 
-  // The loop:
+  // For the loop:
 
   void read(Period& period, std::span<BodySample> samples) noexcept override;
   bool hold_pressed() const noexcept override { return hold_pressed_; }
@@ -32,21 +32,21 @@ class SpaceMouse final : public HandDevice {
   void go_on(Nanoseconds now) noexcept;
 
   SpaceMouseConfig config_;
-  std::size_t body_;  // its target's; the first that can be held, where it takes hold of bodies
+  std::size_t body_;  // body of the target; for a device that grips bodies the first that can be held
   Nanoseconds (*clock_)() noexcept;
   Nanoseconds stale_after_;
   StreamedTarget stream_;
 
-  // The thread's.
-  StreamedSample said_;
+  // State of the thread:
+  StreamedSample sent_;
   Vec3 v_W_ = Vec3::Zero(), w_W_ = Vec3::Zero();
   Nanoseconds t_event_ = 0;  // of the last motion
 
-  // The loop's.
+  // State of the loop:
   bool hold_pressed_ = false;
 };
 
-/// The scene led by its SpaceMouse: its motion is out of play.
+/// Removes the scene's motion, because the SpaceMouse replaces it.
 void lead_by_spacemouse(SceneConfig& scene);
 
 }  // namespace godobject

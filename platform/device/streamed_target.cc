@@ -36,7 +36,7 @@ void StreamedTarget::play(Nanoseconds now, double step) noexcept {
   valid_ = heard_.state == State::rests || (heard_.state == State::leads && played.valid);
 }
 
-/// At rest where nothing is played.
+/// Moves the displayed target towards the played one, within the limits. At rest if none is played.
 void StreamedTarget::follow(const PoseTrack::Played& played, double step) noexcept {
   shown_.V_WD = {};
   if (!played.valid) return;

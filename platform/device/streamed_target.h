@@ -1,5 +1,6 @@
-// The target of a hand that another thread streams to the loop: samples come wait-free, are played back without stairs, no
-// faster than allowed, and are stale after some time without one. The pointer of a page and a SpaceMouse are read so.
+// Target of a hand that another thread streams to the loop, such as the pointer of a page or a SpaceMouse.
+// Samples arrive wait-free and are interpolated within limits of speed. They become stale after some time
+// without a new one.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +11,23 @@
 
 namespace godobject {
 
-/// What a hand says of itself.
+/// One sample of the hand.
 struct StreamedSample {
   enum class State : std::uint8_t {
-    rests,  // it moves nothing, for as long as it says nothing else
-    leads,  // it moves its target: stale where the next sample does not come
-    lost,   // nobody knows
+    rests,  // at rest until the next sample, however late
+    leads,  // moving: stale if the next sample is late
+    lost,   // unknown
   };
   Pose X_WD;
   State state = State::rests;
-  std::uint32_t path = 0;     // another number: a new path begins, elsewhere
-  HoldWish wish{};            // of a hand that says what it holds
+  std::uint32_t path = 0;     // a changed number starts a new path at another place
+  HoldWish wish{};            // of a hand that selects the held body
   bool clutch = true;         // closed
-  std::uint32_t presses = 0;  // counts those of the button that takes hold
+  std::uint32_t presses = 0;  // counts presses of the grip button
   Nanoseconds t = 0;
 };
 
-/// Faster its target does not move: what a sample asks for beyond is left out.
+/// Limits of the target's motion; motion beyond them is left out.
 struct StreamLimits {
   Nanoseconds stale_after = 0;
   double speed = 0, turn_rate = 0;  // m/s, rad/s
@@ -36,16 +37,17 @@ class StreamedTarget {
  public:
   StreamedTarget(const StreamedSample& start, const StreamLimits& limits);
 
-  /// The hand's thread. A ring that is full is one of a loop that stands still: the sample is left out.
+  /// Adds a sample, from the hand's thread. Drops it if the ring is full, which occurs only if the loop
+  /// stands still.
   void push(const StreamedSample& sample) noexcept { static_cast<void>(samples_.try_push(sample)); }
 
-  // The loop:
+  // For the loop:
 
-  /// Once a period. step: s.
+  /// Updates the target; to be called once a period. step: s.
   void play(Nanoseconds now, double step) noexcept;
   const Target& target() const noexcept { return shown_; }
   bool valid() const noexcept { return valid_; }
-  /// The newest sample, and the one that was newest a period ago.
+  /// The newest sample, and the newest one of a period ago.
   const StreamedSample& heard() const noexcept { return heard_; }
   const StreamedSample& heard_before() const noexcept { return before_; }
 
@@ -60,9 +62,9 @@ class StreamedTarget {
   bool valid_ = true;
 };
 
-/// a, or what has its direction and this length where it is longer.
+/// Returns a, shortened to the length `most` if longer.
 Vec3 limited(const Vec3& a, double most) noexcept;
-/// Shifted and turned about its own origin, world axes.
+/// Returns the pose X displaced by dp_W, m, and rotated about its own origin by dphi_W, rad, in world axes.
 Pose moved_by(const Pose& X, const Vec3& dp_W, const Vec3& dphi_W) noexcept;
 
 }  // namespace godobject

@@ -1,5 +1,5 @@
-// What trackers tell of the bodies of a scene, ready for every step of the core: the samples of each tool, filtered where
-// the scene asks for it, in the world, and played back without stairs (hal/tracker/pose_track.h).
+// Target poses from trackers, for every step of the core. The samples of each tool are filtered if the scene
+// requires it, transformed to the world and interpolated (hal/tracker/pose_track.h).
 #pragma once
 
 #include <memory>
@@ -13,27 +13,27 @@
 
 namespace godobject {
 
-/// The target of one body in this cycle.
+/// Target of one body in this cycle.
 struct TrackedPose {
   std::string body;    // name
-  Target target;       // when not valid: the last one that was, at rest
-  bool valid = false;  // the tool is seen, and its newest sample young enough
-  bool seen = false;   // it has been valid
+  Target target;       // while invalid: the last valid one, at rest
+  bool valid = false;  // true if the tool is visible and its newest sample is young enough
+  bool seen = false;   // true once it was valid
   ToolState state = ToolState::unseen;
   Nanoseconds age = 0;  // of the newest sample
 };
 
 class TrackedPoses {
  public:
-  /// Allocates; nothing later does. The order of poses() is that of the trackers and their tools.
+  /// Allocates; the other functions do not. poses() are in the order of the trackers and their tools.
   explicit TrackedPoses(std::vector<std::unique_ptr<TrackerLink>> links);
 
-  /// Once per cycle, before poses(). `now`: of the clock that the links' reports are in. motion_time: s, of a simulated
-  /// hand.
+  /// Updates all poses; to be called once per cycle, before poses().
+  /// now: time on the clock of the links' reports, ns. motion_time: time of a simulated hand, s.
   void update(Nanoseconds now, double motion_time = 0) noexcept;
   std::span<const TrackedPose> poses() const noexcept { return poses_; }
 
-  /// Every tracker is tracking. A tool that is not seen does not count: it is not a fault.
+  /// True if every tracker is tracking. An invisible tool does not matter, because it is no fault.
   bool ready() const noexcept;
   std::size_t num_trackers() const noexcept { return links_.size(); }
   const TrackerParams& params(std::size_t i) const noexcept { return links_[i]->params(); }
@@ -45,7 +45,7 @@ class TrackedPoses {
     Pose X_WT, X_TH;                     // of the tracker, and of the target on the tool
     OneEuro filter;
     PoseTrack track;
-    std::uint32_t number = 0;  // of the sample that was taken last
+    std::uint32_t number = 0;  // of the last sample that was used
     Nanoseconds t = 0;         // its time
   };
 

@@ -5,7 +5,7 @@
 namespace godobject {
 namespace {
 
-/// When the time of a tracker is over its last try may be going on: it says why it failed after that.
+/// Time for the last attempt, s, which may outlast the tracker's limit and reports the reason of the failure.
 constexpr double last_try_s = 2;
 
 }  // namespace
@@ -37,7 +37,7 @@ bool TrackerDevice::failed() const noexcept {
   return false;
 }
 
-/// Nothing is engaged that has not been seen.
+/// Writes the poses into the samples. A body with a tool that was never visible is not engaged.
 void TrackerDevice::read(Period& period, std::span<BodySample> samples) noexcept {
   update(period);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {

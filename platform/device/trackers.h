@@ -1,4 +1,4 @@
-// Trackers as the device: a tool is where its tracker says.
+// Trackers as the device: each tool's tracked pose is a target.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,9 @@ namespace godobject {
 
 class TrackerDevice final : public HandDevice {
  public:
-  /// links: one for each tracker of the scene's device, in their order. clock: of the links, where no rig says the time;
-  /// null: a step a period. Allocates; nothing later does.
+  /// Allocates; the other functions do not. links: one for each tracker of the scene's device, in their
+  /// order.
+  /// clock: clock of the links, used if no rig sets the time; null: one step per period.
   TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links,
                 Nanoseconds (*clock)() noexcept);
 
@@ -27,7 +28,7 @@ class TrackerDevice final : public HandDevice {
  private:
   void update(Period& period) noexcept;
 
-  std::vector<std::size_t> bodies_;  // of each pose
+  std::vector<std::size_t> bodies_;  // one per pose
   Nanoseconds (*clock_)() noexcept;
   TrackedPoses poses_;
 };

@@ -1,5 +1,5 @@
-// The device of scenes that are chosen at run time: each of the core's kinds of devices, which one a parameter says. A
-// product with one device names that in its scene type, and carries nothing of the others.
+// Device of scenes that are loaded at run time: any of the core's device kinds, selected by a parameter. A
+// product with one device names that in its scene type and has no code for the others.
 #pragma once
 
 #include "core/godobject.h"
@@ -13,9 +13,9 @@ struct AnyDevice {
   };
   using State = HoldingState;
   using Pull = HoldingPull;
-  /// The input of every kind; those that `kind` does not read do not matter.
+  /// Inputs of all kinds; `kind` selects the one that is read.
   struct Input {
-    PoseDevice::Input pose;  // of a device that takes hold, too
+    PoseDevice::Input pose;  // also of a device that grips bodies
     RelativeDevice::Input relative;
     AdmittanceDevice::Input admittance;
   };
@@ -32,7 +32,7 @@ struct AnyDevice {
   }
 };
 
-/// All of them are checked: what a kind does not read stays at its defaults, which are good.
+/// Checks the inputs of all kinds; unused ones keep their valid defaults.
 inline Fault check(const AnyDevice::Input& in) noexcept {
   return check(in.pose) | check(in.relative) | check(in.admittance);
 }

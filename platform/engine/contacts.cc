@@ -1,4 +1,4 @@
-// Compositions: a rigid tool that touches obstacles.
+// Compositions: a rigid tool in contact with obstacles.
 #include "platform/engine/tool.h"
 
 namespace godobject {

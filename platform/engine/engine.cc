@@ -9,7 +9,7 @@
 namespace godobject {
 namespace {
 
-/// Adding a composition: one file, its line in row.h and one here.
+/// Returns all compositions, smallest first. To add one: one file, its line in row.h and one here.
 std::vector<CompositionRow> table() {
   std::vector<CompositionRow> rows;
   add_rigid(rows);
@@ -26,11 +26,11 @@ std::vector<CompositionRow> table() {
   return rows;
 }
 
-/// What a scene asks of a composition: each has all that couplings, feedback and devices need.
+/// Requirements of a scene on a composition. Couplings, feedback and devices are in every composition.
 struct Needs {
   bool joints = false, nets = false;
   ContactScope contacts = ContactScope::none;
-  ContactCounts counts;  // of them
+  ContactCounts counts;  // of these contacts
 };
 
 Needs needs_of(const SceneConfig& scene) {
@@ -42,7 +42,8 @@ Needs needs_of(const SceneConfig& scene) {
   return needs;
 }
 
-/// Without contacts, nothing of them: not a byte. Among bodies: also with the world.
+/// True if contacts of the scope `has` include those of `needed`. A scene without contacts gets a composition
+/// without; contacts between bodies include those with the world.
 bool covers(ContactScope has, ContactScope needed) {
   return has == needed || (has == ContactScope::bodies && needed == ContactScope::obstacles);
 }
@@ -52,13 +53,14 @@ bool has_room_for(const Composition& c, const Needs& needs, const SceneConfig& s
          needs.counts.surfaces <= c.max_surfaces;
 }
 
-/// All but numbers of things. What has nets has contacts too, whether the scene needs them or not.
+/// True if the composition has all parts of the scene, in any number. Compositions with nets have contacts
+/// too, needed or not.
 bool has_parts_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
   return c.integrator == scene.integrator && c.has_nets() == needs.nets &&
          (needs.nets || covers(c.contacts, needs.contacts)) && (c.joints || !needs.joints);
 }
 
-/// Which of the scene's numbers no candidate has room for, and the largest room there is.
+/// Lists the scene's numbers that exceed every candidate, with the largest capacity.
 std::string too_many(const std::vector<Composition>& candidates, const Needs& needs,
                      const SceneConfig& scene) {
   std::string text;
@@ -88,11 +90,14 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
                            "' (" + (parts.empty() ? "free bodies" : parts) + ")";
-  if (candidates.empty()) return "no compiled composition has " + what;
-  return "no compiled composition with " + what + " has room for " + too_many(candidates, needs, scene);
+  if (candidates.empty())
+    return "no compiled composition has " + what + ": change the integrator, or add a composition";
+  return "no compiled composition with " + what + " is large enough for " +
+         too_many(candidates, needs, scene) + ": reduce them, or add a composition";
 }
 
-/// The broken rule with the body's name. A rule that no scene file can break is a defect of the reader.
+/// Returns the violated rule with the body's name. A rule that no scene file can violate is a defect of the
+/// reader.
 std::string complaint(const Validity& validity, const SceneConfig& scene) {
   const bool of_body = validity.index < scene.bodies.size() && validity.rule != Invalid::contact_sphere &&
                        validity.rule != Invalid::contact_surface;
@@ -115,7 +120,7 @@ std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const Bo
     if (!has_room_for(r.composition, needs, scene) || !has_parts_for(r.composition, needs, scene)) continue;
     const Validity validity = r.check(scene);
     if (validity == Invalid::nothing) return r.make(scene, at_start, r.composition);
-    why_not = "the core does not take scene '" + scene.name + "': " + complaint(validity, scene);
+    why_not = "the core rejects scene '" + scene.name + "': " + complaint(validity, scene);
     return nullptr;
   }
   why_not = why_none(needs, scene);

@@ -1,4 +1,4 @@
-// Compositions: articulated tools that touch obstacles.
+// Compositions: articulated tools in contact with obstacles.
 #include "platform/engine/tool.h"
 
 namespace godobject {

@@ -1,4 +1,4 @@
-// Compositions: deformable nets, on tools and free bodies that touch each other and obstacles, and beside them.
+// Compositions: deformable nets on tools and free bodies, with contacts among all of them and with obstacles.
 #include "platform/engine/tool.h"
 
 namespace godobject {

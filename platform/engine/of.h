@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// A relative device's change of pose.
+/// Returns the change of pose of a relative device since `before`.
 inline RelativeDevice::Input increment(const BodySample& sample, const Target& before) noexcept {
   const RotationError turn = rotation_error(before.X_WD.q, sample.target.X_WD.q, Vec3::Zero());
   return {.dp_W = sample.target.X_WD.p - before.X_WD.p,
@@ -19,7 +19,7 @@ inline RelativeDevice::Input increment(const BodySample& sample, const Target& b
           .engaged = sample.engaged};
 }
 
-/// What a kind of device reads of the general sample.
+/// Sets the input of the device kind from the general sample.
 inline void set_input(AnyDevice::Kind kind, const BodySample& sample, const Target& before,
                       AnyDevice::Input& in) noexcept {
   switch (kind) {
@@ -41,7 +41,7 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
     case DeviceKind::relative: return AnyDevice::Kind::relative;
     case DeviceKind::admittance: return AnyDevice::Kind::admittance;
   }
-  return takes_hold(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
+  return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
 inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
@@ -65,11 +65,12 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
       for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
         if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop_params(stop);
   }
-  if constexpr (uses<typename Joints::Imposed>) par.lead.imposed = joint.imposed;
+  if constexpr (uses<typename Joints::Prescribed>) par.motion.prescribed = joint.imposed;
   return par;
 }
 
-/// Coupling "imposed": so stiff that an implicit step ends on the target, to 1e-9 of what the body would be off.
+/// Returns a coupling so stiff that an implicit step ends within 1e-9 of the body's distance from its
+/// target.
 inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
   constexpr Real stiff = 1e9;
   return {.k = stiff * body.m / (h * h),
@@ -80,7 +81,7 @@ inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
 
 inline Real ramp_of(const SceneConfig& scene, const LimitConfig& limits) {
   if (!scene.device || scene.coupling == CouplingMode::imposed) return 0;
-  return takes_hold(scene) ? limits.grab_ramp : limits.ramp;
+  return grips_bodies(scene) ? limits.grab_ramp : limits.ramp;
 }
 
 template <Scene S>
@@ -141,7 +142,7 @@ class EngineOf final : public Engine {
       const bool at_once = device.rise == 0 && at_start[i].engaged && !captures;
       if (!at_once) x_.bodies[i].device.ramp = {};
     }
-    if constexpr (imposes<S>) {
+    if constexpr (prescribes<S>) {
       for (const JointConfig& joint : scene.joints)
         x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
     }
@@ -156,7 +157,7 @@ class EngineOf final : public Engine {
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       set_input(par_.bodies[i].device.kind, samples[i], before_[i], in_.devices[i]);
       if (samples[i].valid) before_[i] = samples[i].target;
-      if constexpr (imposes<S>) in_.joints[i] = samples[i].joint;
+      if constexpr (prescribes<S>) in_.joints[i] = samples[i].joint;
     }
     godobject::step(par_, in_, x_, w_, out_);
     StepReport report{.fault = out_.fault, .limited = out_.limited, .contacts = {}, .nets = {}};
@@ -251,7 +252,7 @@ class EngineOf final : public Engine {
   Output<S> out_;
   EnergyBalance<S> balance_;
   std::uint64_t tick_ = 0;
-  std::array<Target, S::max_bodies> before_;  // the sample before this one, for increments
+  std::array<Target, S::max_bodies> before_;  // previous valid target, for increments
 };
 
 template <Scene S>
@@ -271,11 +272,11 @@ std::vector<PartBytes> parts_of() {
   add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);
   if constexpr (uses<Joints>) {
     add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
-    if constexpr (imposes<S>) {
+    if constexpr (prescribes<S>) {
       add("joint stops", sizeof(typename Joints::Stops::Params), 0, 0);
       add("imposed joints",
           sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
-          sizeof(typename Joints::State), sizeof(W::leads));
+          sizeof(typename Joints::State), sizeof(W::prescribed));
     }
   }
   add("coupling", sizeof(typename S::Coupling::Params), sizeof(typename S::Coupling::State), 0);
@@ -290,7 +291,7 @@ std::vector<PartBytes> parts_of() {
   return parts;
 }
 
-/// The core's opinion on the scene's parameters.
+/// Validates the scene's parameters by the core.
 template <Scene S>
 Validity check(const SceneConfig& scene) {
   const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
@@ -308,7 +309,7 @@ CompositionRow row(const std::string& name) {
   Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
                 .integrator = S::Integrator::name,
                 .max_bodies = S::max_bodies,
-                .joints = imposes<S>,
+                .joints = prescribes<S>,
                 .contacts = scope_of<S>(),
                 .params_bytes = sizeof(Params<S>),
                 .state_bytes = sizeof(State<S>),

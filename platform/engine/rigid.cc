@@ -1,4 +1,4 @@
-// Compositions: rigid tools and bodies by themselves.
+// Compositions: rigid tools and bodies without joints and contacts.
 #include "platform/engine/tool.h"
 
 namespace godobject {

@@ -1,4 +1,4 @@
-// The table of compositions: what a row says, and the files that add theirs.
+// Table of compositions: its row type, and the functions that add rows.
 #pragma once
 
 #include "core/setup.h"
@@ -10,7 +10,7 @@ namespace godobject {
 struct CompositionRow {
   Composition composition;
   std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
-  Validity (*check)(const SceneConfig&);  // of the core, on the scene's parameters
+  Validity (*check)(const SceneConfig&);  // validation of the scene's parameters by the core
 };
 
 // One file each, and one line in engine.cc.

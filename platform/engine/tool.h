@@ -1,5 +1,5 @@
-// The scene type of every composition: any device, coupling and feedback; which joints and contacts it has, and for how
-// many bodies.
+// Scene type of every composition: any device, coupling and feedback. Parameters select joints, contacts and
+// the number of bodies.
 #pragma once
 
 #include "platform/engine/of.h"
@@ -17,13 +17,13 @@ struct Tool {
   using Contacts = Contacts_;
 };
 
-using AllJoints = TreeJoints<JointStops, ImposedJoints>;
+using AllJoints = TreeJoints<JointStops, PrescribedJoints>;
 
 /// Contacts of a tool with the world.
 using ToolContacts = FixedContacts<64, 256, 128>;
 /// Contacts of many bodies with each other and the world.
 using PileContacts = BodyContacts<1024, 128, 1024>;
-/// Contacts of the bodies of scenes with nets; their nodes have room of their own.
+/// Contacts of the bodies of scenes with nets; the nodes' contacts have storage of their own.
 using NetContacts = BodyContacts<128, 256, 256>;
 
 }  // namespace godobject

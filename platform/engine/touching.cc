@@ -1,4 +1,4 @@
-// Compositions: many bodies that touch each other and obstacles.
+// Compositions: many bodies in contact with each other and with obstacles.
 #include "platform/engine/tool.h"
 
 namespace godobject {

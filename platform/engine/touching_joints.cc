@@ -1,4 +1,4 @@
-// Compositions: articulated tools and free bodies that touch each other and obstacles.
+// Compositions: articulated tools and free bodies in contact with each other and with obstacles.
 #include "platform/engine/tool.h"
 
 namespace godobject {

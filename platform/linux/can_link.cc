@@ -104,7 +104,7 @@ int parse_reply(Bytes reply, CanLink& link) noexcept {
 }
 
 bool agrees(std::uint32_t is, double wanted) noexcept {
-  return std::abs(static_cast<double>(is) - wanted) <= 0.005 * wanted;  // oscillators are given 0.5 % in all
+  return std::abs(static_cast<double>(is) - wanted) <= 0.005 * wanted;  // two oscillators may differ by 0.5 %
 }
 
 std::string number(double value) { return std::to_string(std::llround(value)); }
@@ -136,7 +136,7 @@ int read_can_link(const char* interface, CanLink& link) noexcept {
 
   const int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
   if (fd < 0) return errno;
-  // The kernel answers before send() returns, so there is nothing to wait for.
+  // The kernel answers before send() returns, so there is no wait.
   std::array<char, 16384> reply;
   ssize_t size = send(fd, &request, sizeof request, 0);
   if (size >= 0) size = recv(fd, reply.data(), reply.size(), MSG_DONTWAIT);
@@ -162,19 +162,18 @@ std::string text_of(LinkFit fit, const std::string& interface, const CanLink& li
     case LinkFit::fits: return {};
     case LinkFit::down: return interface + " is down: " + up_command(interface, link, settings);
     case LinkFit::bit_rate:
-      return interface + " runs at " + number(controller.bit_rate) + " bit/s, the scene says " +
+      return interface + " runs at " + number(controller.bit_rate) + " bit/s, the scene has " +
              number(settings.bit_rate) +
              ": correct bit_rate of the scene, or: " + down_up(interface, link, settings);
     case LinkFit::data_bit_rate:
       return interface + " has a data bit rate of " + number(controller.data_bit_rate) +
-             " bit/s, the scene says " + number(settings.data_bit_rate) +
+             " bit/s, the scene has " + number(settings.data_bit_rate) +
              ": correct data_bit_rate of the scene, or: " + down_up(interface, link, settings);
     case LinkFit::classic_only:
       if (link.controller)
-        return interface +
-               " carries classic frames only, the scene wants CAN FD: " + down_up(interface, link, settings) +
-               " (an adapter without CAN FD refuses)";
-      return interface + " carries classic frames only, the scene wants CAN FD: ip link set " + interface +
+        return interface + " carries classic frames only, the scene requires CAN FD: " +
+               down_up(interface, link, settings) + " (only with a CAN FD adapter)";
+      return interface + " carries classic frames only, the scene requires CAN FD: ip link set " + interface +
              " down && ip link set " + interface + " mtu 72 && ip link set " + interface + " up";
   }
   return {};
@@ -186,7 +185,7 @@ std::string link_warnings(const std::string& interface, const CanLink& link) {
     text += interface + " stays off after a bus-off (restart-ms 0): ip link set " + interface +
             " down && ip link set " + interface + " type can restart-ms 100 && ip link set " + interface +
             " up\n";
-  // fq_codel may drop a frame that has waited in favour of a later one, and tells nobody.
+  // fq_codel may drop a waiting frame in favour of a later one without an error.
   if (std::string_view(link.qdisc.data()).starts_with("fq_codel"))
     text += interface +
             " has the queueing discipline fq_codel, which drops frames silently: tc qdisc replace dev " +

@@ -1,4 +1,4 @@
-// How a CAN interface is configured, asked of the kernel over rtnetlink, and what of it is in the way.
+// Configuration of a CAN interface, read from the kernel over rtnetlink, and its conflicts with the scene.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace godobject {
 
-/// What only an interface with a controller has; a virtual one (vcan) has none of it.
+/// Properties of an interface with a controller; a virtual one (vcan) has none.
 struct CanController {
   std::uint32_t bit_rate = 0;       // bit/s; 0: not set
   std::uint32_t data_bit_rate = 0;  // bit/s; 0: classic
@@ -22,7 +22,7 @@ struct CanController {
 
 struct CanLink {
   bool up = false;
-  std::uint32_t mtu = 0;  // 16: classic, 72: FD too
+  std::uint32_t mtu = 0;  // 16: classic frames, 72: also FD
   std::uint32_t transmit_queue_length = 0;
   std::array<char, 16> qdisc{};  // queueing discipline, e.g. pfifo_fast
   std::optional<CanController> controller{};
@@ -30,19 +30,20 @@ struct CanLink {
   bool carries_fd() const noexcept { return mtu >= 72; }
 };
 
-/// 0, or errno: ENODEV there is no such interface, EMEDIUMTYPE it is not a CAN one. Does not allocate.
+/// Reads the configuration. Returns 0 or errno: ENODEV if the interface does not exist, EMEDIUMTYPE if it is
+/// not a CAN interface. Does not allocate.
 int read_can_link(const char* interface, CanLink& link) noexcept;
 
 enum class LinkFit : std::uint8_t { fits, down, bit_rate, data_bit_rate, classic_only };
 
-/// The first thing that keeps `link` from carrying what `settings` expects.
+/// Returns the first conflict of `link` with the expected `settings`.
 LinkFit fit(const CanLink& link, const BusSettings& settings) noexcept;
 
-/// What to do about a link that does not fit, with the commands. Empty when it fits.
+/// Returns the conflict and the commands that resolve it. Empty for LinkFit::fits.
 std::string text_of(LinkFit fit, const std::string& interface, const CanLink& link,
                     const BusSettings& settings);
 
-/// What will hurt later: no restart after bus-off, a queue that drops old frames. Empty when nothing.
+/// Returns warnings of later trouble: no restart after bus-off, a queue that drops old frames. Empty if none.
 std::string link_warnings(const std::string& interface, const CanLink& link);
 
 }  // namespace godobject

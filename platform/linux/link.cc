@@ -31,7 +31,7 @@ Nanoseconds LinuxLink::wait(Nanoseconds until) noexcept {
   if (left <= 0) return clock_.now();
   const timespec timeout{.tv_sec = left / 1'000'000'000, .tv_nsec = left % 1'000'000'000};
   const int ready = ppoll(polled_.data(), polled_.size(), &timeout, nullptr);
-  // A bus that is gone is always ready: looked at once a cycle, it does not keep the loop awake.
+  // A missing bus is always readable. Reading it once a cycle, without waiting for it, keeps the loop asleep.
   if (ready > 0)
     for (pollfd& bus : polled_)
       if ((bus.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) bus.fd = -1;

@@ -1,7 +1,4 @@
-// The buses of a rig on this machine: how the loop waits for them, and how promptly it serves them.
-//
-// The room: bus/ is CAN buses; serial_port.h and pty.h are lines of bytes; tracker_thread.h and spacemouse_thread.h read what
-// is not in the loop; can_link.h and receive_stamp.h are what the kernel says of an interface and of a frame.
+// Buses of a rig on this machine: waiting for frames, and latencies of the service.
 #pragma once
 
 #include <poll.h>
@@ -18,15 +15,16 @@
 namespace godobject {
 
 struct LinkTiming {
-  Histogram
-      added_latency_ns;      // from the stamp of the last frame received in a cycle to its commands' sending
-  Histogram sync_jitter_ns;  // of the time between the SYNCs of consecutive cycles
+  Histogram added_latency_ns;  // from the stamp of the last received frame of a cycle to the sending of its
+                               // commands
+  Histogram sync_jitter_ns;    // of the time between the SYNCs of consecutive cycles
 };
 
-/// Its time is CLOCK_MONOTONIC, that of the receive stamps.
+/// Link on real buses. Its clock is CLOCK_MONOTONIC, as that of the receive stamps.
 class LinuxLink final : public RigLink {
  public:
-  /// One per RigParams::buses, in their order. period: of the cycles, ns. Allocates; nothing later does.
+  /// Allocates; the other functions do not. buses: one per RigParams::buses, in their order. period: period
+  /// of the cycles, ns.
   LinuxLink(std::vector<std::unique_ptr<LinuxBus>> buses, Nanoseconds period);
 
   std::span<CanBus* const> buses() noexcept override { return ports_; }
@@ -37,15 +35,15 @@ class LinuxLink final : public RigLink {
 
   std::size_t num_buses() const noexcept { return ends_.size(); }
   LinuxBus& bus(std::size_t index) noexcept { return ends_[index]->watched.bus(); }
-  /// At set-up: frames with this standard identifier are worth sending for so long after they were made, and
-  /// only the newest of them. False: PacedCanBus has no slot left.
+  /// Reserves a slot for frames with this standard identifier; only the newest frame is kept, for `lifetime`
+  /// ns. For setup. Returns false if PacedCanBus has no slot left.
   [[nodiscard]] bool add_slot(std::size_t bus, std::uint32_t id, Nanoseconds lifetime) noexcept {
     return ends_[bus]->paced.add_slot(id, lifetime);
   }
   const LinkTiming& timing() const noexcept { return timing_; }
 
  private:
-  /// What the rig sends goes through both; what a full bus does not take waits in the second.
+  /// Frames of the rig pass both; PacedCanBus holds those that a full bus refuses.
   struct End {
     End(std::unique_ptr<LinuxBus> bus, std::size_t index) : watched(std::move(bus), index), paced(watched) {}
     WatchedBus watched;
@@ -56,7 +54,7 @@ class LinuxLink final : public RigLink {
 
   std::vector<std::unique_ptr<End>> ends_;
   std::vector<CanBus*> ports_;
-  std::vector<pollfd> polled_;  // one per bus; a negative descriptor is not waited for
+  std::vector<pollfd> polled_;  // one per bus; negative descriptors are ignored
   Nanoseconds period_ns_;
   Nanoseconds t_cycle_ns_ = 0;
   LinkTiming timing_;

@@ -12,8 +12,9 @@
 namespace godobject {
 namespace {
 
-constexpr Nanoseconds oldest = 1'000'000'000;  // a frame that seems older: the wall clock was set
-constexpr Nanoseconds close_enough = 50'000;   // between two readings of the clock: the stamp is half as good
+constexpr Nanoseconds oldest = 1'000'000'000;  // largest plausible age of a frame; above it the wall clock
+                                               // was set
+constexpr Nanoseconds close_enough = 50'000;   // between two readings of the clock: the error is half as much
 
 Nanoseconds nanoseconds(const timespec& t) noexcept {
   return Nanoseconds{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
@@ -24,7 +25,8 @@ struct TwoClocks {
   Nanoseconds wall = 0;
 };
 
-/// Both at one instant. Being interrupted between the readings would show as an age, so that is tried again.
+/// Reads both clocks at the same instant. Repeats interrupted readings, because an interruption appears as
+/// age.
 TwoClocks read_clocks() noexcept {
   TwoClocks best;
   Nanoseconds shortest = oldest;

@@ -7,18 +7,19 @@
 
 namespace godobject {
 
-/// Asks for the stamps; false: errno tells why.
+/// Enables the stamps. Returns false with errno on failure.
 bool enable_receive_stamps(int socket) noexcept;
 
-/// The kernel stamps a frame by the wall clock when it takes it from the driver, and hands on the controller's own
-/// stamp where the controller makes one (raw hardware: a clock of its own).
-/// - Wall clock: both clocks are read when the frame is, and the frame's age by the wall clock is taken off
-///   CLOCK_MONOTONIC. Nobody sees the wall clock; setting it between arrival and read gives the time of the read.
+/// Converts receive stamps. The kernel stamps a frame by the wall clock when the driver delivers it.
+/// It adds the controller's own stamp if there is one (raw hardware, on a clock of its own).
+/// - Wall clock: both clocks are read together with the frame, and the frame's age by the wall clock is
+/// subtracted from CLOCK_MONOTONIC. If the wall clock is set between arrival and reading, the result is the
+/// time of reading.
 /// - Controller: StampClock, against the time of arrival found as above.
 class ReceiveStamp {
  public:
-  /// When the message that recvmsg has just filled in arrived; never before the message before it. A message without
-  /// a stamp gets the time of the read.
+  /// Returns the time of arrival of a message read by recvmsg; never before that of the previous message.
+  /// Without a stamp it is the time of reading.
   Nanoseconds of(const msghdr& message) noexcept;
 
  private:

@@ -1,6 +1,6 @@
 #include "platform/linux/serial_port.h"
 
-// termios2 and BOTHER are the kernel's; the C library's <termios.h> defines the same names without them.
+// The kernel defines termios2 and BOTHER; the C library's <termios.h> defines the same names without them.
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <linux/serial.h>
@@ -28,7 +28,7 @@
 namespace godobject {
 namespace {
 
-constexpr double max_baud_error = 0.025;  // a receiver samples the tenth bit within half a bit
+constexpr double max_baud_error = 0.025;  // because a receiver must sample the tenth bit within half a bit
 constexpr int max_latency_timer_ms = 1;
 
 std::string text_of(int error) { return std::generic_category().message(error); }
@@ -37,15 +37,16 @@ std::string remedy_of(int error) {
   switch (error) {
     case ENOENT:
     case ENODEV:
-    case ENXIO: return "; is it plugged in? ls -l /dev/serial/by-id names what there is";
+    case ENXIO: return "; check that it is plugged in: ls -l /dev/serial/by-id lists the ports";
     case EACCES:
-      return "; join the group that owns it (ls -l), mostly: sudo adduser $USER dialout, log in anew";
+      return "; join the group that owns it (ls -l), usually: sudo adduser $USER dialout, then log in again";
     case EBUSY: return "; another program uses it: fuser -v names it";
     default: return "";
   }
 }
 
-/// Slaves of UNIX 98 pseudo-terminals have the majors 136 to 143 (Documentation/admin-guide/devices.txt).
+/// True for slaves of UNIX 98 pseudo-terminals, which have the majors 136 to 143
+/// (Documentation/admin-guide/devices.txt).
 bool is_pseudo_terminal(int fd) {
   struct stat status {};
   return fstat(fd, &status) == 0 && major(status.st_rdev) >= 136 && major(status.st_rdev) <= 143;
@@ -85,9 +86,9 @@ bool SerialPort::open(const std::string& path, const SerialSettings& settings) {
   if (fd_ < 0) return fail("cannot be opened: " + text_of(errno) + remedy_of(errno));
   if (isatty(fd_) == 0) return fail("is not a terminal; give a serial port like /dev/ttyUSB0 or /dev/pts/3");
   if (flock(fd_, LOCK_EX | LOCK_NB) != 0) return fail("is in use by another program: fuser -v names it");
-  // Not on a pseudo-terminal: the flag would outlive us there and shut out the next user.
+  // Not on a pseudo-terminal: there the flag would outlive this program and lock out the next one.
   if (!is_pseudo_terminal(fd_) && ioctl(fd_, TIOCEXCL) != 0)
-    return fail("cannot be had exclusively: " + text_of(errno));
+    return fail("cannot be opened exclusively: " + text_of(errno));
   state_ = SerialState::open;
   if (!configure(settings.baud)) return false;
   if (settings.low_latency) request_low_latency();
@@ -109,13 +110,13 @@ void SerialPort::close() noexcept {
   }
   fd_ = -1;
   state_ = SerialState::closed;
-  low_latency_ = LowLatency::not_asked;
+  low_latency_ = LowLatency::not_requested;
   latency_timer_ms_.reset();
   error_ = 0;
   why_.clear();
 }
 
-/// Raw: no echo, no signals, no flow control, no translation. TCSETSW2 waits until the output has left.
+/// Sets raw mode: no echo, signals, flow control or translation. TCSETSW2 waits until the output has left.
 bool SerialPort::configure(std::uint32_t baud) {
   const std::string rate = std::to_string(baud) + " baud";
   if (baud == 0) return fail("needs a baud rate above 0");
@@ -131,7 +132,7 @@ bool SerialPort::configure(std::uint32_t baud) {
   if (ioctl(fd_, TCGETS2, &actual) != 0) return fail("its settings cannot be read: " + text_of(errno));
   const double error = static_cast<double>(actual.c_ospeed) / baud - 1;
   if (error > max_baud_error || error < -max_baud_error)
-    return fail("cannot do " + rate + ": the nearest it has is " + std::to_string(actual.c_ospeed));
+    return fail("does not support " + rate + ": its nearest rate is " + std::to_string(actual.c_ospeed));
   return true;
 }
 
@@ -223,10 +224,11 @@ std::string SerialPort::slowness() const {
   std::snprintf(longest.data(), longest.size(), "%.1f ms", 1e-6 * static_cast<double>(slow_calls_.longest));
   const bool is_late = low_latency_ == LowLatency::refused;
   return path_ + ": " + std::to_string(slow_calls_.count) +
-         " reads or writes of this terminal were kept by the kernel, " + longest.data() +
-         " at most: its worker for terminals waits for other programs" +
-         (is_late ? "; let the port have low latency (see its udev rule)" : "") +
-         "; end what loads this machine, use a kernel with PREEMPT_RT, or a CAN adapter with a driver "
+         " reads or writes of this terminal were delayed by the kernel, " + longest.data() +
+         " at most, because its worker for terminals waits for other programs" +
+         (is_late ? "; give the port low latency (see its udev rule)" : "") +
+         "; end programs that load this machine, use a kernel with PREEMPT_RT, or a CAN adapter with a "
+         "driver "
          "(socketcan:)";
 }
 
@@ -234,7 +236,7 @@ std::string SerialPort::latency_report() const {
   const std::string timer =
       latency_timer_ms_ ? ", latency timer " + std::to_string(*latency_timer_ms_) + " ms" : "";
   switch (low_latency_) {
-    case LowLatency::not_asked: return path_ + ": low latency was not asked for";
+    case LowLatency::not_requested: return path_ + ": low latency was not requested";
     case LowLatency::in_effect: return path_ + ": low latency is in effect" + timer;
     case LowLatency::not_a_uart:
       return path_ + ": not a UART: no low-latency setting (a pseudo-terminal or ttyACM needs none)";
@@ -242,7 +244,7 @@ std::string SerialPort::latency_report() const {
   }
   return path_ + ": low latency refused" + (latency_error_ != 0 ? " (" + text_of(latency_error_) + ")" : "") +
          timer +
-         ": received bytes may be kept back; put this line into /etc/udev/rules.d/99-latency.rules and plug "
+         ": received bytes may be delayed; put this line into /etc/udev/rules.d/99-latency.rules and plug "
          "the "
          "adapter in again: " +
          udev_rule;

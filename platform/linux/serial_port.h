@@ -16,22 +16,21 @@ namespace godobject {
 enum class SerialState : std::uint8_t {
   closed,
   open,
-  hung_up,  // unplugged, or the other end of a pseudo-terminal is closed: close(), open() when it is back
-  failed,   // the system refused: trouble() has its words and the remedy
+  hung_up,  // unplugged, or the other end of a pseudo-terminal is closed: close(), then open() when it is
+            // back
+  failed,   // refused by the system: trouble() has the error and the remedy
 };
 
-/// What became of the request for low latency. Without it a USB adapter keeps received bytes back: an FTDI
-/// for 16 ms.
+/// Outcome of the request for low latency. Without it a USB adapter delays received bytes: an FTDI by 16 ms.
 enum class LowLatency : std::uint8_t {
-  not_asked,
-  in_effect,   // ASYNC_LOW_LATENCY was read back; the latency timer, where there is one, is at most 1 ms
+  not_requested,
+  in_effect,   // ASYNC_LOW_LATENCY was read back; the latency timer, if there is one, is at most 1 ms
   not_a_uart,  // a pseudo-terminal, or a driver without the setting
   refused,     // latency_report() has the reason and the udev rule
 };
 
-/// Reads and writes that did not return at once, although the port never waits for bytes: the kernel kept
-/// them, because its worker that hands bytes on (kworker, flush_to_ldisc) held the terminal and was not
-/// running.
+/// Reads and writes that did not return at once, although the port never waits for bytes. The kernel delayed
+/// them, because its worker for terminals (kworker, flush_to_ldisc) held the terminal and was not running.
 struct SlowCalls {
   static constexpr Nanoseconds at_least = 1'000'000;
   std::uint64_t count = 0;
@@ -45,13 +44,12 @@ struct SlowCalls {
 };
 
 struct SerialSettings {
-  std::uint32_t baud =
-      115'200;  // bit/s, any: not only the standard rates. 8 data bits, no parity, 1 stop bit
+  std::uint32_t baud = 115'200;  // bit/s, also beyond the standard rates. 8 data bits, no parity, 1 stop bit
   bool low_latency = true;
 };
 
-/// Reading and writing return at once, do not allocate and do not throw; the rest is for set-up.
-/// One thread at a time.
+/// Reading and writing return at once, do not allocate and do not throw; the rest is for setup. For one
+/// thread at a time.
 class SerialPort {
  public:
   SerialPort() = default;
@@ -59,39 +57,44 @@ class SerialPort {
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
 
-  /// Raw mode, exclusively, with empty buffers. False: state() is failed and trouble() says why.
+  /// Opens the port exclusively in raw mode, with empty buffers. Returns false with state() failed and the
+  /// reason in trouble().
   [[nodiscard]] bool open(const std::string& path, const SerialSettings& settings);
-  /// Takes over a terminal that is open already, as it is set: the master of a pseudo-terminal. Non-blocking.
+  /// Takes ownership of an open terminal without configuring it, such as the master of a pseudo-terminal. It
+  /// must be non-blocking.
   void adopt(int descriptor, std::string name);
   void close() noexcept;
 
-  /// Bytes that have arrived, as many as fit; 0: none now, or state() is not open any more.
+  /// Reads the bytes that have arrived, as many as fit. Returns 0 if there are none, or if state() is no
+  /// longer open.
   [[nodiscard]] std::size_t read(std::span<std::uint8_t> out) noexcept;
-  /// How many of the first bytes were taken; fewer than all: the buffer is full, or state() has changed.
+  /// Returns the number of first bytes that were accepted; fewer than all if the buffer is full or state()
+  /// has changed.
   [[nodiscard]] std::size_t write(std::span<const std::uint8_t> bytes) noexcept;
-  /// Waits, at most so long, until read() has something to say. False: it has not. Not for the loop.
+  /// Waits until read() has bytes or an error, at most `timeout`. Returns false after the timeout. Not for
+  /// the loop.
   [[nodiscard]] bool wait_readable(Nanoseconds timeout) noexcept;
 
-  /// After what was written has left. False: state() and trouble() as with open(). Waits: not for the loop.
+  /// Changes the rate after written bytes have left. Returns false as open(). Waits, so not for the loop.
   [[nodiscard]] bool set_baud(std::uint32_t baud);
-  /// Holds the line at 0 for a quarter to half a second, which resets e.g. NDI trackers. Nothing on a
-  /// pseudo-terminal. Not for the loop.
+  /// Holds the line at 0 for a quarter to half a second, which resets NDI trackers, for example. No effect on
+  /// a pseudo-terminal. Not for the loop.
   void send_break() noexcept;
-  /// Forgets what was received and not read.
+  /// Discards bytes received and not read.
   void discard_input() noexcept;
 
   /// Readable when there are bytes or the state has changed; -1 while closed. For ppoll.
   int descriptor() const noexcept { return fd_; }
   SerialState state() const noexcept { return state_; }
   LowLatency low_latency() const noexcept { return low_latency_; }
-  /// Since the port was made.
+  /// Counted since the port was constructed.
   const SlowCalls& slow_calls() const noexcept { return slow_calls_; }
-  /// One line: how long reads and writes were kept, and what to do; empty: none was. Allocates.
+  /// Returns one line on delayed reads and writes, with the remedy; empty if there were none. Allocates.
   std::string slowness() const;
   const std::string& path() const noexcept { return path_; }
-  /// What is wrong and what to do; empty while nothing is. Allocates.
+  /// Returns the trouble and its remedy; empty if there is none. Allocates.
   std::string trouble() const;
-  /// One line: what low_latency() means on this port and, where refused, the udev rule. Allocates.
+  /// Returns one line on low_latency() of this port, with the udev rule if it was refused. Allocates.
   std::string latency_report() const;
 
  private:
@@ -102,7 +105,7 @@ class SerialPort {
 
   int fd_ = -1;
   SerialState state_ = SerialState::closed;
-  LowLatency low_latency_ = LowLatency::not_asked;
+  LowLatency low_latency_ = LowLatency::not_requested;
   int latency_error_ = 0;                  // errno of the request
   std::optional<int> latency_timer_ms_{};  // of the USB adapter, as read back
   int error_ = 0;                          // errno that ended the connection
@@ -111,7 +114,7 @@ class SerialPort {
   std::string why_{};
 };
 
-/// "PATH" or "PATH,BAUD", as in the addresses of buses. baud: of a path without one the default, 0 where what stands
+/// "PATH" or "PATH,BAUD", as in the addresses of buses. baud: the default for a path alone; 0 if the text
 /// after the comma is not a number.
 struct SerialAddress {
   std::string path;
@@ -119,11 +122,11 @@ struct SerialAddress {
 };
 SerialAddress parse_serial_address(const std::string& where, std::uint32_t default_baud);
 
-/// Time of one byte on a line of 8 data bits, no parity, 1 stop bit: 10 bits.
+/// Returns the time of one byte, s: 10 bits with 8 data bits, no parity, 1 stop bit.
 constexpr double seconds_per_byte(std::uint32_t baud) noexcept { return 10.0 / baud; }
 
-/// The latency timer of the USB adapter behind terminal `path`, ms, as the kernel shows it below `sysfs`;
-/// none: the driver has no such timer (only FTDI's has).
+/// Returns the latency timer of the USB adapter behind terminal `path`, ms, from the kernel's files below
+/// `sysfs`. None if the driver has no such timer (only FTDI's has).
 std::optional<int> read_latency_timer_ms(const std::string& path, std::string_view sysfs = "/sys");
 
 }  // namespace godobject

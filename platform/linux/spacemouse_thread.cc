@@ -22,7 +22,7 @@ constexpr Nanoseconds retry_period = 1'000'000'000;
 
 std::string text_of(int error) { return std::generic_category().message(error); }
 
-/// The connection; -1, with errno.
+/// Returns the connection, or -1 with errno.
 int connect_to(const std::string& path) noexcept {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -52,8 +52,8 @@ std::unique_ptr<SpaceMouseThread> SpaceMouseThread::start(const std::string& soc
                                                           Log log, std::string& why_not) {
   const int descriptor = connect_to(socket);
   if (descriptor < 0) {
-    why_not = "--spacemouse: nothing answers on '" + socket + "': " + text_of(errno) +
-              ". Is the daemon there? apt-get install spacenavd; systemctl start spacenavd. Another socket: "
+    why_not = "--spacemouse: no daemon answers on '" + socket + "': " + text_of(errno) +
+              ". Install and start it: apt-get install spacenavd; systemctl start spacenavd. Another socket: "
               "--spacemouse SOCKET, or SPNAV_SOCKET";
     return nullptr;
   }
@@ -91,9 +91,9 @@ void SpaceMouseThread::run(const std::stop_token& stop) {
   }
 }
 
-/// For something to read, or until then.
+/// Waits for bytes, or until the time `until`.
 void SpaceMouseThread::wait(Nanoseconds until) noexcept {
-  pollfd waited{.fd = descriptor_, .events = POLLIN, .revents = 0};  // one of -1 is left out
+  pollfd waited{.fd = descriptor_, .events = POLLIN, .revents = 0};  // poll ignores -1
   const Nanoseconds left = std::max(until - clock_.now(), Nanoseconds{0});
   const timespec patience{.tv_sec = 0, .tv_nsec = std::min(left, spacemouse_tick_ns)};
   static_cast<void>(ppoll(&waited, 1, &patience, nullptr));
@@ -104,7 +104,7 @@ void SpaceMouseThread::read() {
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (size < 0) return lose(text_of(errno));
   if (size == 0) return lose("the daemon has closed the connection");
-  if (!take(begun_ + static_cast<std::size_t>(size))) lose("what came is no event of spacenavd");
+  if (!take(begun_ + static_cast<std::size_t>(size))) lose("the received bytes are no event of spacenavd");
 }
 
 bool SpaceMouseThread::take(std::size_t size) noexcept {
@@ -131,7 +131,7 @@ void SpaceMouseThread::lose(const std::string& why) {
   begun_ = 0;
   connected_ = false;
   next_try_ = clock_.now() + retry_period;
-  if (log_) log_("spacemouse: " + why + ": the target rests; trying again every second");
+  if (log_) log_("spacemouse: " + why + ": the target rests; retrying every second");
 }
 
 void SpaceMouseThread::reconnect() {

@@ -1,6 +1,6 @@
-// The connection to spacenavd and the thread that reads it. Nothing the daemon does, not even its end, is waited for by anyone
-// but this thread. The library of the daemon (libspnav) is not used: it has one connection in global variables, waits for the
-// rest of an event that has begun, and does not tell a daemon that has gone from one that is silent.
+// Connection to spacenavd and the thread that reads it. Only this thread waits for the daemon, even when that
+// ends. The daemon's library (libspnav) is not used: it keeps one connection in global variables and waits
+// for the rest of an event. It also cannot distinguish a daemon that ended from a silent one.
 #pragma once
 
 #include <atomic>
@@ -20,15 +20,16 @@ struct SpaceMouseCounters {
   bool connected = false;
 };
 
-/// $SPNAV_SOCKET, or where Debian's daemon listens.
+/// Returns $SPNAV_SOCKET, or the default path of Debian's daemon.
 std::string spacenav_socket();
 
 class SpaceMouseThread {
  public:
-  /// Takes a line about a daemon that has gone or is back. In this thread.
+  /// Receives a line when the daemon ends or returns. Called in this thread.
   using Log = std::function<void(const std::string&)>;
 
-  /// Connects, and reads from then on into the device, which outlives it. Null: why not, and what to do.
+  /// Connects, then reads events into the device, which must outlive this object. Returns null with the
+  /// reason and remedy in why_not.
   static std::unique_ptr<SpaceMouseThread> start(const std::string& socket, SpaceMouse& device, Log log,
                                                  std::string& why_not);
   ~SpaceMouseThread();
@@ -43,7 +44,7 @@ class SpaceMouseThread {
   void run(const std::stop_token& stop);
   void wait(Nanoseconds until) noexcept;
   void read();
-  /// What has begun of an event stays for later. False: it is no event.
+  /// Decodes events; an incomplete one stays for later. Returns false if the bytes are no event.
   bool take(std::size_t size) noexcept;
   void lose(const std::string& why);
   void reconnect();
@@ -52,13 +53,13 @@ class SpaceMouseThread {
   SpaceMouse& device_;
   Log log_;
   MonotonicClock clock_;
-  int descriptor_ = -1;  // -1: the daemon is not there
+  int descriptor_ = -1;  // -1: not connected
   Nanoseconds next_try_ = 0;
   std::array<std::uint8_t, 64 * spacenav_event_bytes> bytes_{};
-  std::size_t begun_ = 0;  // bytes of an event that has not come whole
+  std::size_t begun_ = 0;  // bytes of an incomplete event
   std::atomic<std::uint64_t> events_{0}, malformed_{0}, connections_{1};
   std::atomic<bool> connected_{true};
-  std::jthread thread_;  // last: ends before the rest goes
+  std::jthread thread_;  // last, so that it ends before the other members
 };
 
 }  // namespace godobject

@@ -57,7 +57,7 @@ bool TrackerThread::open() {
   return false;
 }
 
-/// What has arrived, what is to be sent, and a wait of a millisecond at most.
+/// Receives bytes, sends requests, and waits for at most a millisecond.
 void TrackerThread::serve() {
   std::array<std::uint8_t, 512> bytes{};
   if (port_.wait_readable(wake_period)) {
@@ -92,7 +92,7 @@ void TrackerThread::carry_out(const LineRequest& request) {
   }
 }
 
-/// A ring that is full is one that nobody reads yet: the report waits here for its turn.
+/// Passes the report to the loop. If the ring is full, the loop does not read yet and the report waits.
 void TrackerThread::hand_over() {
   const Nanoseconds now = clock_.now();
   if (now - last_expiry_ >= expiry_period) {

@@ -9,7 +9,7 @@ namespace godobject {
 
 namespace {
 
-/// Cubic Hermite polynomial on an interval of length h at fraction s, and its time derivative.
+/// Evaluates a cubic Hermite polynomial on an interval of length h at fraction s, and its time derivative.
 template <class T>
 Sample<T> hermite(const T& x0, const T& rate0, const T& x1, const T& rate1, double h, double s) noexcept {
   const double r = 1 - s;
@@ -18,7 +18,8 @@ Sample<T> hermite(const T& x0, const T& rate0, const T& x1, const T& rate1, doub
           T((x1 - x0) * (6 * s * r / h) + rate0 * (r * (1 - 3 * s)) + rate1 * (s * (3 * s - 2)))};
 }
 
-/// Rotation vector of q, angle in [0, 2 pi): a neighbour more than half a turn away keeps its side.
+/// Returns the rotation vector of q, with an angle in [0, 2 pi) so that a neighbour more than half a turn
+/// away keeps its side.
 Vec3 short_rotation(const Quat& q) noexcept {
   const double sine = q.vec().norm();
   if (sine < 1e-12) return 2 * q.vec();
@@ -31,7 +32,7 @@ Quat turn_by(const Vec3& phi) noexcept {
   return Quat(std::cos(0.5 * angle), s * phi.x(), s * phi.y(), s * phi.z());
 }
 
-/// J(phi) with w_B = J phi' for q = exp(phi), a = |phi|:
+/// Returns J(phi), with w_B = J phi' for q = exp(phi), a = |phi|:
 /// I - (1 - cos a)/a^2 [phi]x + (a - sin a)/a^3 [phi]x^2.
 Mat3 tangent(const Vec3& phi) noexcept {
   const double a_sq = phi.squaredNorm(), a = std::sqrt(a_sq);
@@ -43,7 +44,7 @@ Mat3 tangent(const Vec3& phi) noexcept {
   return Mat3::Identity() - b * S + c * S * S;
 }
 
-/// Its inverse: I + [phi]x / 2 + (1 - (a/2) cot(a/2))/a^2 [phi]x^2, for a < 2 pi.
+/// Returns the inverse of J: I + [phi]x / 2 + (1 - (a/2) cot(a/2))/a^2 [phi]x^2, for a < 2 pi.
 Mat3 inverse_tangent(const Vec3& phi) noexcept {
   const double a_sq = phi.squaredNorm(), a = std::sqrt(a_sq);
   const double c = a < 1e-4 ? 1.0 / 12 + a_sq / 720 : (1 - 0.5 * a / std::tan(0.5 * a)) / a_sq;
@@ -51,8 +52,9 @@ Mat3 inverse_tangent(const Vec3& phi) noexcept {
   return Mat3::Identity() + 0.5 * S + c * S * S;
 }
 
-/// Steffen's rate at a sample between intervals of lengths h_l and h_r with mean rates l and r: that of the parabola through
-/// the three samples, but none where they turn, and at most twice the smaller of the two: the cubic is monotone then.
+/// Returns Steffen's rate at a sample between intervals of lengths h_l and h_r with mean rates l and r. It is
+/// the rate of the parabola through the three samples, zero at a turning point, and at most twice the smaller
+/// mean rate. The cubic is monotone then.
 double limited_rate(double h_l, double l, double h_r, double r) noexcept {
   if (!(l * r > 0)) return 0;
   const double parabola = std::abs(l * h_r + r * h_l) / (h_l + h_r);
@@ -64,7 +66,8 @@ Vec3 limited_rate(double h_l, const Vec3& l, double h_r, const Vec3& r) noexcept
   return rate;
 }
 
-/// The limited rate at sample i; step(i, j): from sample i to its neighbour j. At either end that of the one interval.
+/// Returns the limited rate at sample i; at either end the rate of the end interval.
+/// step(i, j): difference from sample i to its neighbour j.
 template <class Step>
 auto limited_rate_at(const TimeGrid& grid, std::size_t i, Step step) noexcept {
   using T = decltype(step(i, i));

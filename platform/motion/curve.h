@@ -1,6 +1,6 @@
-// Smooth curves through samples at increasing times: cubic, once continuously differentiable, fourth order accurate where
-// the samples are even; where they are not, between their neighbours: rates are limited (Steffen 1990), and nothing
-// overshoots. Evaluation neither allocates nor fails.
+// Smooth curves through samples at increasing times: cubic and continuously differentiable. They are of
+// fourth order where the samples are even. Elsewhere rates are limited (Steffen 1990), so that curves stay
+// between neighbouring samples without overshoot. Evaluation neither allocates nor fails.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ namespace godobject {
 /// The times of the samples, strictly increasing, at least one.
 class TimeGrid {
  public:
-  /// Where t lies: between samples i and i + 1 at fraction s, h apart. resting: before the first or
-  /// after the last sample, or there is only one; then i is that sample.
+  /// Interval of t: between samples i and i + 1, h apart, at fraction s.
+  /// resting: true before the first or after the last sample, or with one sample only; then i is that sample.
   struct Place {
     std::size_t i = 0;
     double s = 0;
@@ -29,10 +29,10 @@ class TimeGrid {
   double first() const noexcept { return times_.front(); }
   double last() const noexcept { return times_.back(); }
   Place locate(double t) const noexcept;
-  /// The sample that holds at t: the last one not after t; before the first sample, the first.
+  /// Returns the sample in effect at t: the last one not after t, or the first sample before all others.
   std::size_t held(double t) const noexcept;
 
-  /// Derivative at sample i of the polynomial through up to five samples around it:
+  /// Weights of the derivative at sample i of the polynomial through up to five samples around it:
   /// sum_j weights[j] x[begin + j]. Fourth order with five samples.
   struct Stencil {
     std::size_t begin = 0;
@@ -41,25 +41,25 @@ class TimeGrid {
   };
   Stencil derivative_at(std::size_t i) const noexcept;
 
-  /// Between the times of the stencil of sample i no interval is more than max_unevenness times as long as another. Where
-  /// they are not even the polynomial through the samples swings far beyond them.
+  /// True if no interval in the stencil of sample i is more than max_unevenness times as long as another.
+  /// Otherwise the polynomial through the samples overshoots far.
   bool is_even_at(std::size_t i) const noexcept;
   static constexpr double max_unevenness = 3;
-  /// From sample i to the one after it, s; from the last one none.
+  /// Returns the time from sample i to the next, s; i is not the last.
   double interval(std::size_t i) const noexcept { return times_[i + 1] - times_[i]; }
 
  private:
   std::vector<double> times_;
 };
 
-/// Value and time derivative of T.
+/// Value and time derivative.
 template <class T>
 struct Sample {
   T value;
   T rate;
 };
 
-/// Curve of numbers or vectors: the cubic with given values and rates at both ends of an interval.
+/// Curve of numbers or vectors: the cubic with given values and rates at both ends of each interval.
 template <class T>
 class VectorCurve {
  public:
@@ -71,11 +71,11 @@ class VectorCurve {
   std::vector<T> values_, rates_;
 };
 
-/// Curve of attitudes: q(t) = q_i exp(phi(t)), phi the cubic in the tangent space at q_i whose ends have
-/// the attitudes and angular velocities of both samples.
+/// Curve of attitudes q(t) = q_i exp(phi(t)). phi is the cubic in the tangent space at q_i with the attitudes
+/// and angular velocities of both samples at its ends.
 class RotationCurve {
  public:
-  /// attitudes: unit, one per time of the grid, either sign.
+  /// attitudes: unit quaternions of either sign, one per time of the grid.
   RotationCurve(const TimeGrid& grid, std::vector<Quat> attitudes);
 
   struct Attitude {

@@ -10,12 +10,12 @@ namespace {
 constexpr std::array pose_suffixes{".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"};
 constexpr std::array wrench_suffixes{".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
 
-/// Columns of the trace and the names that they have in a motion.
+/// Columns of the trace with their names in a motion.
 class Columns {
  public:
   explicit Columns(const CsvTable& table) : table_(table) {}
 
-  /// False, and nothing is added, where one of them is missing.
+  /// Adds the columns of a group. Returns false, and adds nothing, if one is missing.
   template <class Suffixes>
   bool add_all(const std::vector<std::string>& targets, const std::string& group, const Suffixes& suffixes) {
     std::vector<CsvColumn> found;
@@ -28,7 +28,8 @@ class Columns {
     columns.insert(columns.end(), found.begin(), found.end());
     return true;
   }
-  /// False likewise, and where no row has a number for one of them.
+  /// Adds the columns of the joints. Returns false, and adds nothing, if one is missing or has no number in
+  /// any row.
   bool add_joints(const std::vector<DeviceJoint>& joints) {
     std::vector<CsvColumn> found;
     for (const DeviceJoint& joint : joints) {
@@ -90,15 +91,15 @@ TraceMotion motion_of_trace(const CsvTable& table, const std::string& file, cons
     const std::string wanted =
         targets.empty() ? "" : targets.front() + (by_wrenches ? ".hand.fx" : ".target.x");
     return {std::nullopt,
-            {file + ":1:1: a trace without column '" + wanted + "', which scene '" + scene.name +
-             "' needs: is it of another scene?"}};
+            {file + ":1:1: the trace has no column '" + wanted + "', which scene '" + scene.name +
+             "' requires: give the trace of this scene"}};
   }
   for (const std::string& target : targets) {
-    if (!takes_hold(scene)) columns.add(target + ".engaged", target + ".engaged");
+    if (!grips_bodies(scene)) columns.add(target + ".engaged", target + ".engaged");
     if (scene.device && scene.device->kind == DeviceKind::relative)
       columns.add(target + ".clutch", target + ".clutch");
   }
-  if (takes_hold(scene))
+  if (grips_bodies(scene))
     columns.add("held", "hold", [&](double held) {
       const bool is_body = held >= 0 && held < static_cast<double>(scene.bodies.size());
       return is_body ? scene.bodies[static_cast<std::size_t>(held)].name : std::string("-");

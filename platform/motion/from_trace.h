@@ -1,4 +1,5 @@
-// A trace of a run as the motion of another: the devices' samples are replayed, not the bodies that followed them.
+// Converts the trace of a run into the motion of another, from the devices' samples, not from the bodies that
+// followed them.
 #pragma once
 
 #include <string>
@@ -10,21 +11,23 @@
 
 namespace godobject {
 
-/// True for a table that begins with the header of a trace.
+/// True for a table with the header of a trace.
 bool is_trace(std::string_view csv);
 
-/// The lines of a trace that are complete: a run that was killed leaves the last one without its end.
+/// Returns the complete lines of a trace; the last line of a killed run has no end.
 std::string_view whole_lines(std::string_view csv);
 
-/// True for the columns of a trace of which a motion may be made.
+/// True for the columns of a trace that a motion can use.
 bool is_of_motion(std::string_view column);
 
 struct TraceMotion {
-  std::optional<CsvTable> table;  // with the columns of a motion of this scene; absent where there are errors
-  std::vector<std::string> errors;  // "file:1:1: what"
+  // table with the columns of a motion of this scene; absent if there are errors
+  std::optional<CsvTable> table;
+  std::vector<std::string> errors;  // "file:1:1: text"
 };
-/// table: of a trace. The device's joints where it has them in every row, otherwise the hand's wrenches or the device's poses,
-/// otherwise the targets; and engaged, clutch and held.
+/// Converts a trace. Uses the rows with the device's joints if there are any, else the hand's wrenches or the
+/// device's poses, else the targets. Adds engaged, clutch and held.
+/// table: table of the trace.
 TraceMotion motion_of_trace(const CsvTable& table, const std::string& file, const SceneConfig& scene);
 
 }  // namespace godobject

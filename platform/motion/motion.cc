@@ -10,7 +10,7 @@ namespace godobject {
 
 namespace {
 
-/// A sin(2 pi f t + phase) per component, and its derivative.
+/// Evaluates A sin(2 pi f t + phase) per component, and its derivative.
 Sample<Vec3> sines(const Vec3& amplitude, const Vec3& frequency_hz, const Vec3& phase, double t) noexcept {
   Sample<Vec3> sample{Vec3::Zero(), Vec3::Zero()};
   for (int i = 0; i < 3; ++i) {
@@ -53,7 +53,7 @@ Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
   for (const std::size_t body : driven_bodies(scene)) starts_.push_back(scene.bodies[body].X_WB);
   starts_.resize(motion_targets(scene).size());
   handles_.resize(starts_.size());
-  if (takes_hold(scene)) take_holds(scene);
+  if (grips_bodies(scene)) take_holds(scene);
   const KinematicTreeParams* const tree = device_tree(scene);
   if (tree == nullptr) return;
   tree_.emplace(*tree);
@@ -68,7 +68,7 @@ Motion::Motion(const SceneConfig& scene) : built_in_(scene.motion) {
   }
 }
 
-/// What the device holds at the start, and the scene's own [[motion.hold]].
+/// Merges the body held at the start and the scene's [[motion.hold]].
 void Motion::take_holds(const SceneConfig& scene) {
   std::vector<HoldConfig> holds;
   if (built_in_) holds = built_in_->holds;
@@ -140,7 +140,7 @@ std::optional<double> Motion::end() const noexcept {
 
 MotionSpeed fastest(const Motion& motion, double duration, double step) {
   constexpr double golden =
-      0.6180339887498949;  // multiples of it, modulo 1, are evenly spread for any number of them
+      0.6180339887498949;  // multiples modulo 1 are evenly spread for any number of them
   const int num_samples = static_cast<int>(std::clamp(2 * duration / step, 2e3, 2e5));
   MotionSpeed found;
   for (std::size_t body = 0; body < motion.num_bodies(); ++body)

@@ -1,8 +1,5 @@
-// What the hand does: the target of every driven body, or the wrench on it, and whether it holds the device,
-// as functions of time.
-//
-// The room: reader.cc takes a motion from a recording, from_trace.h from a trace, curve.h is smooth through its samples,
-// sudden_moves.h finds the samples that cannot be true.
+// Motion of the hand as a function of time. It gives the target of every driven body, or the wrench on it,
+// and the switches of the device.
 #pragma once
 
 #include <optional>
@@ -17,64 +14,68 @@
 
 namespace godobject {
 
-/// What the user does besides moving: lets go and takes hold again, opens and closes the clutch.
+/// Switches of the user: engaged or released, clutch open or closed.
 struct MotionSwitches {
   bool engaged = true;
-  bool clutch = true;  // relative devices
+  bool clutch = true;  // relative devices only
 };
 
-/// What the script wants a device to hold that takes hold of bodies.
+/// Body that a scripted device shall hold.
 struct HoldWish {
   enum class Kind : std::uint8_t { nothing, body, nearest };
   Kind kind = Kind::nothing;
-  std::size_t body = 0;  // index in the scene
+  std::size_t body = 0;  // index of the body in the scene
 
   friend bool operator==(const HoldWish&, const HoldWish&) = default;
 };
 
-/// The wish for the body of this name; HoldConfig says which names there are.
+/// Returns the wish for the body of this name, see HoldConfig.
 HoldWish hold_wish(const SceneConfig& scene, const std::string& name);
 
 struct MotionResult;
 
-/// Bodies are counted as motion_targets() of the scene lists them: where the device takes hold of bodies
-/// there is one, the device itself. Evaluation does not allocate.
+/// Bodies are numbered as motion_targets() of the scene lists them. If the device grips bodies there is one,
+/// the device itself. Evaluation does not allocate.
 class Motion {
  public:
-  /// The scene's own [motion]: of the device's joints, each handle moving its body, or of the first driven
-  /// body. Other bodies rest at their start, and so does the first where the scene has no [motion].
+  /// Makes the scene's own [motion]: of the device's joints, whose handles move their bodies, or of the first
+  /// driven body. Other bodies rest at their start, as does the first in a scene without [motion].
   explicit Motion(const SceneConfig& scene);
 
-  /// From a table with columns t (s, strictly increasing) and, for every driven body,
+  /// Reads a table with columns t (s, strictly increasing) and, for every driven body,
   ///   <body>.x, y, z, qw, qx, qy, qz   (m; unit quaternion), or
   ///   <body>.fx, fy, fz, tx, ty, tz    (N, N m; admittance devices), or
-  ///   <joint> for every joint of the device (rad or m): each handle moves its body, other bodies rest;
-  /// and, for any of them, <body>.engaged, <body>.clutch (0 or 1). Where the device takes hold of bodies its
-  /// name stands for <body>; instead of <body>.engaged there are hold (a name of HoldConfig; "-": nothing)
-  /// and button (0 or 1). A table with no other columns than these leaves the target, or the wrench, to the
-  /// scene's own [motion]; one without hold leaves that to it.
-  /// Between samples: platform/motion/curve.h. Before the first and after the last: the end's pose at rest, its wrench.
-  /// Switches hold from their sample to the next one; before the first sample they are as in it.
-  /// A trace of a run of this scene is such a table, too: see from_trace.h.
+  ///   <joint> for every joint of the device (rad or m); its handles move their bodies, other bodies rest.
+  /// Each may be combined with <body>.engaged and <body>.clutch (0 or 1). For a device that grips bodies its
+  /// name replaces <body>. Columns hold (a name of HoldConfig; "-": nothing) and button (0 or 1) then replace
+  /// <body>.engaged. Without columns of poses, wrenches or joints the scene's own [motion] is used; without
+  /// hold its [[motion.hold]].
+  ///
+  /// Interpolation: platform/motion/curve.h. Before the first and after the last sample the target rests at
+  /// the end pose, with the end wrench. Switches keep their value until the next sample, and before the first
+  /// sample have its value.
+  ///
+  /// A trace of a run of this scene is such a table, see from_trace.h.
   static MotionResult read(const std::string& path, const SceneConfig& scene);
-  /// As read for a text; file is what messages call it.
+  /// As read for a text.
+  /// file: name in messages.
   static MotionResult parse(std::string_view csv, const std::string& file, const SceneConfig& scene);
 
   std::size_t num_bodies() const noexcept { return starts_.size(); }
   Target target(std::size_t body, double t) const noexcept;
-  /// The hand's wrench on an admittance device's body, world axes about the body's origin.
+  /// Returns the hand's wrench on an admittance device's body, in world axes about the body's origin.
   Wrench wrench(std::size_t body, double t) const noexcept;
-  /// True for a motion of the device's joints; then joints() has them and target(i, t) is the pose of the
-  /// handle of body i.
+  /// True for a motion of the device's joints. Then joints() returns them, and target(i, t) is the pose of
+  /// the handle of body i.
   bool has_joints() const noexcept { return !joints_.empty() || !joint_sines_.empty(); }
   JointTarget joints(double t) const noexcept;
-  /// Both on where the table says nothing.
+  /// Returns the switches; both are on without a column.
   MotionSwitches switches(std::size_t body, double t) const noexcept;
-  /// Nothing where neither the table nor the scene says anything.
+  /// Returns the wish at t; nothing without a column or a table of the scene.
   HoldWish hold(double t) const noexcept;
-  /// The device's button is pressed.
+  /// True if the device's button is pressed.
   bool button(double t) const noexcept;
-  /// Last sample's time, where the target or the wrench is a table.
+  /// Returns the time of the last sample, if target or wrench is a table.
   std::optional<double> end() const noexcept;
 
  private:
@@ -89,34 +90,35 @@ class Motion {
 
   void take_holds(const SceneConfig& scene);
 
-  std::vector<Pose> starts_;                   // per driven body
-  std::optional<MotionConfig> built_in_;       // for body 0
+  std::vector<Pose> starts_;                   // one per driven body
+  std::optional<MotionConfig> built_in_;       // motion of body 0
   std::vector<CoordinateMotion> joint_sines_;  // of the scene, one per joint of the device
   std::optional<KinematicTree> tree_;
-  std::vector<std::optional<std::size_t>> handles_;  // per driven body: its handle
-  std::optional<TimeGrid> grid_;                     // of a table, which fills one of:
+  std::vector<std::optional<std::size_t>> handles_;  // handle of each driven body
+  std::optional<TimeGrid> grid_;                     // times of a table, which fills one of:
   std::vector<PoseCurve> poses_;
   std::vector<WrenchCurve> wrenches_;
   std::vector<VectorCurve<double>> joints_;
-  std::optional<TimeGrid> switch_grid_;                // of a table with switches
+  std::optional<TimeGrid> switch_grid_;                // times of a table with switches
   std::vector<std::vector<MotionSwitches>> switches_;  // per driven body, one per time of switch_grid_
-  std::vector<bool> buttons_;                          // one per time of switch_grid_, or none
+  std::vector<bool> buttons_;                          // one per time of switch_grid_, or empty
   std::optional<TimeGrid> hold_grid_;
   std::vector<HoldWish> holds_;  // one per time of hold_grid_
 };
 
-/// The largest speed of any target, and when.
+/// Largest speed of any target, and its time.
 struct MotionSpeed {
   std::size_t body = 0;
   double speed = 0, t = 0;  // m/s, s
 };
 
-/// Samples the first `duration` seconds twice a step on average, at instants that no period of a motion shares.
+/// Searches the first `duration` seconds with two samples per step on average, at times that are not
+/// multiples of a period of the motion.
 MotionSpeed fastest(const Motion& motion, double duration, double step);
 
 struct MotionResult {
-  std::optional<Motion> motion;     // absent where there are errors
-  std::vector<std::string> errors;  // "file:line:column: what"
+  std::optional<Motion> motion;     // absent if there are errors
+  std::vector<std::string> errors;  // "file:line:column: text"
   std::vector<std::string> notes;   // columns that were not used
 };
 

@@ -1,4 +1,4 @@
-// Motion::read: from the columns of a table to curves, with every complaint placed in the file.
+// Motion::read: converts the columns of a table into curves. Errors name their place in the file.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,8 +16,8 @@ namespace godobject {
 inline constexpr double recorded_unit_tolerance = 1e-3;  // recorded quaternions are rounded to few digits
 inline constexpr std::size_t max_reported = 20;
 inline constexpr std::size_t max_misspelling = 3;  // letters
-inline constexpr double max_value = 1e6;  // m, rad, N, N m: beyond it a double resolves no more than 0.1 nm
-/// Times closer than this are no sampling: rates between them would be beyond all numbers.
+inline constexpr double max_value = 1e6;  // m, rad, N, N m; above it a double resolves no more than 0.1 nm
+/// Smallest plausible distance of times; below it rates between samples would be implausible.
 inline constexpr double least_spacing_s = 1e-6, max_time_s = 1e9;
 inline constexpr const char* hold_column = "hold";
 inline constexpr const char* button_column = "button";
@@ -42,7 +42,7 @@ class MotionReader {
   }
 
  private:
-  /// What a table can drive, besides the switches; nothing: that stays with the scene's own [motion].
+  /// Content of a table besides the switches; with `nothing` the scene's own [motion] is used.
   enum class Content { nothing, poses, wrenches, joints };
 
   static constexpr std::array pose_suffixes{".x", ".y", ".z", ".qw", ".qx", ".qy", ".qz"};
@@ -61,12 +61,12 @@ class MotionReader {
   std::vector<std::string> pose_columns() const { return columns_of_bodies(pose_suffixes); }
   std::vector<std::string> wrench_columns() const { return columns_of_bodies(wrench_suffixes); }
   std::vector<std::string> switch_columns() const {
-    if (!takes_hold(scene_)) return columns_of_bodies(switch_suffixes);
+    if (!grips_bodies(scene_)) return columns_of_bodies(switch_suffixes);
     std::vector<std::string> columns = columns_of_bodies(holding_switch_suffixes);
     columns.emplace_back(button_column);
     return columns;
   }
-  /// Columns that leave the target to the scene.
+  /// Returns the columns that do not replace the scene's [motion].
   std::vector<std::string> columns_besides() const {
     std::vector<std::string> columns = switch_columns();
     columns.emplace_back(hold_column);
@@ -116,8 +116,8 @@ class MotionReader {
   }
 
   void check_times() {
-    if (table_.columns().front() != "t") log_.error({1, 1}, "the first column must be 't', in seconds");
-    if (table_.num_rows() == 0) log_.error({1, 1}, "there are no samples below the header");
+    if (table_.columns().front() != "t") log_.error({1, 1}, "the first column must be 't', the time in s");
+    if (table_.num_rows() == 0) log_.error({1, 1}, "no samples follow the header: add a row for each time");
     std::size_t num_errors = 0;
     for (std::size_t row = 0; row < table_.num_rows() && num_errors < max_reported; ++row) {
       const double t = table_.at(row, 0);
@@ -127,7 +127,7 @@ class MotionReader {
       ++num_errors;
       const char* const rule = !increases ? "strictly increasing"
                                : apart    ? "within 1e9 s"
-                                          : "1 us apart or more";
+                                          : "at least 1 us apart";
       log_.error(table_.place(row, 0), std::string("times must be finite and ") + rule);
     }
   }
@@ -140,7 +140,7 @@ class MotionReader {
                          [&](const std::string& c) { return std::ranges::find(known, c) == known.end(); });
     for (const std::string& column : missing(used)) {
       std::string other =
-          alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... would do as well";
+          alternative.empty() ? "" : "; joint columns '" + alternative.front() + "', ... are an alternative";
       if (const std::string similar = nearest(column, unused, max_misspelling); !similar.empty())
         other = ": is '" + similar + "' misspelt?";
       log_.error({1, 1}, "column '" + column + "' is missing" + other);
@@ -166,28 +166,30 @@ class MotionReader {
         log_.error(table_.place(row, *column), "'" + name + "' must be 0 or 1");
       }
       if (name.ends_with(".clutch") && !is_device(DeviceKind::relative))
-        log_.warning({1, 1}, "column '" + name + "' has no effect: only relative devices have a clutch");
+        log_.warning({1, 1}, "column '" + name +
+                                 "' has no effect, because only relative devices have a clutch: remove it");
     }
   }
 
   void check_holds() {
-    if (!takes_hold(scene_)) {
+    if (!grips_bodies(scene_)) {
       if (table_.find(hold_column))
-        log_.error({1, 1},
-                   "column 'hold' needs a device that takes hold of bodies: give [device] 'holds' or "
-                   "'grab_radius'");
+        log_.error(
+            {1, 1},
+            "column 'hold' requires a device that grips bodies: give [device] 'holds' or 'grab_radius'");
       return;
     }
     const bool has_radius = scene_.device->grab_radius.has_value();
     if (table_.find(button_column) && !has_radius)
-      log_.error({1, 1}, "column 'button' takes hold of the nearest body: give [device] 'grab_radius'");
+      log_.error({1, 1},
+                 "column 'button' grips the nearest body and requires a reach: give [device] 'grab_radius'");
     const std::optional<std::size_t> column = table_.find(hold_column);
     std::size_t num_errors = 0;
     for (std::size_t row = 0; column && row < table_.num_rows() && num_errors < max_reported; ++row) {
       const std::string& name = table_.word(row);
       if (name == hold_nothing || (name == nearest_body && has_radius)) continue;
       const std::string why_not = name == nearest_body
-                                      ? "is \"nearest\": how far is that? Give [device] 'grab_radius'"
+                                      ? "is \"nearest\", which requires [device] 'grab_radius': add it"
                                       : why_not_held(scene_, name);
       if (why_not.empty()) continue;
       ++num_errors;
@@ -204,7 +206,7 @@ class MotionReader {
         if (std::abs(value) <= max_value) continue;
         ++num_errors;
         const char* const too_far =
-            is_position(name) ? "' must be within 1e6 m: is it in metres?" : "' must be within 1e6";
+            is_position(name) ? "' must be within 1e6 m: give it in metres" : "' must be within 1e6";
         log_.error(table_.place(row, column),
                    "'" + name + (std::isfinite(value) ? too_far : "' must be finite"));
       }
@@ -267,18 +269,17 @@ class MotionReader {
     return values;
   }
 
-  /// column: where the note points to.
+  /// column: column of the note's place.
   template <class Distance>
   void note_sudden_move(const std::string& column, const std::string& what, const char* unit,
                         double least_speed, Distance distance) {
     const std::optional<SuddenMove> move = sudden_move(*motion_.grid_, least_speed, distance);
     if (!move) return;
     std::array<char, 200> text{};
-    std::snprintf(
-        text.data(), text.size(),
-        " moves by %.3g %s in %.3g s, more than 10 times as fast as before and after: is a sample wrong, or "
-        "one missing?",
-        move->distance, unit, move->time);
+    std::snprintf(text.data(), text.size(),
+                  " moves by %.3g %s in %.3g s, more than 10 times as fast as before and after: check for a "
+                  "wrong or missing sample",
+                  move->distance, unit, move->time);
     log_.warning(table_.place(move->from + 1, *table_.find(column)), "'" + what + "'" + text.data());
   }
 
@@ -322,7 +323,7 @@ class MotionReader {
         if (clutch) values[row].clutch = table_.at(row, *clutch) == 1;
       }
     }
-    if (takes_hold(scene_) && table_.find(button_column))
+    if (grips_bodies(scene_) && table_.find(button_column))
       for (const double value : numbers(button_column)) motion_.buttons_.push_back(value == 1);
   }
 

@@ -1,4 +1,4 @@
-// Where a recorded motion is much faster than just before and just after: a sample is wrong there, or one is missing.
+// Detects wrong or missing samples: intervals of a recorded motion much faster than those before and after.
 #pragma once
 
 #include <algorithm>
@@ -8,15 +8,16 @@
 
 namespace godobject {
 
-/// From sample `from` to the one after it.
+/// Interval from sample `from` to the next.
 struct SuddenMove {
   std::size_t from = 0;
   double distance = 0;  // m or rad
   double time = 0;      // s
 };
 
-/// The fastest of the intervals that are more than 10 times as fast as the slower of two on either side, and faster than
-/// least_speed. A single wrong sample is two fast intervals, there and back. distance(i): from sample i to the one after it.
+/// Returns the fastest interval above least_speed that is more than 10 times as fast as the slower of two
+/// intervals on either side. A single wrong sample makes two fast intervals, there and back.
+/// distance(i): distance from sample i to the next.
 template <class Distance>
 std::optional<SuddenMove> sudden_move(const TimeGrid& grid, double least_speed, Distance distance) {
   constexpr double much_faster = 10;
@@ -28,7 +29,7 @@ std::optional<SuddenMove> sudden_move(const TimeGrid& grid, double least_speed, 
   std::optional<SuddenMove> found;
   double fastest = least_speed;
   for (std::size_t i = 0; i < n && n > 1; ++i) {
-    // before the first sample i - 1 and i - 2 are beyond all others
+    // i - 1 and i - 2 wrap around before the first sample, and are out of range then
     if (speed(i) <= fastest ||
         speed(i) <= much_faster * std::max(slower_of(i - 1, i - 2), slower_of(i + 1, i + 2)))
       continue;

@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::chrono::milliseconds stop_poll{20}, commissioning_poll{1};
 
-/// A pseudo-terminal is down until its other end is opened, by whoever plays the device.
+/// Waits until the other end of each pseudo-terminal is open, because the bus is down until then. Returns
+/// false at `stop`.
 bool wait_for_other_ends(const RigOnBuses& real, const std::atomic<bool>& stop) {
   for (std::size_t i = 0; i < real.link.num_buses(); ++i)
     if (real.has_other_end(i))

@@ -1,4 +1,4 @@
-// What comes before the loop on real buses: their other ends, and nodes that have a profile.
+// Preparation of real buses before the loop: other ends of pseudo-terminals, and nodes that have a profile.
 #pragma once
 
 #include <atomic>
@@ -17,19 +17,20 @@ struct RigOnBuses {
   const RigParams& rig;
   const RigProfiles& profiles;
 
-  /// A pseudo-terminal, whose other end whoever plays the device opens.
+  /// True for a pseudo-terminal. The program that simulates the device opens its other end.
   bool has_other_end(std::size_t bus) const { return where.addresses[bus].backend->makes_terminal; }
 };
 
-/// Waits for the other end of what has one (a pseudo-terminal), then sets up the nodes that have a profile. One
-/// line for each that could not be; none where `stop` ended it.
+/// Waits for the other ends of pseudo-terminals, then sets up the nodes that have a profile. Returns one line
+/// for each failed node; none if `stop` ended it.
 std::vector<std::string> bring_up(const RigOnBuses& real, const std::atomic<bool>& stop);
-/// Without the first.
+/// As bring_up(), without the wait for other ends.
 std::vector<std::string> commission(const RigOnBuses& real, const std::atomic<bool>& stop);
 
-/// What has arrived also says how a bus is. The frames were for a loop that has ended.
+/// Reads and discards the received frames, which updates the state of each bus. They were sent to a loop that
+/// has ended.
 void drain(LinuxLink& link);
-/// Waits that long, or for `stop`. False: stop.
+/// Waits for s seconds or until `stop`. Returns false at `stop`.
 bool pause(double s, const std::atomic<bool>& stop);
 
 }  // namespace godobject

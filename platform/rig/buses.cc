@@ -11,7 +11,7 @@
 namespace godobject {
 namespace {
 
-/// What addresses are given by, in messages.
+/// Source of the addresses, for messages.
 struct Given {
   const SceneConfig& scene;
   const std::string& option;
@@ -27,7 +27,7 @@ struct Given {
   }
 };
 
-/// Index of the bus that `given` means; none, with the reason in errors.
+/// Returns the index of the bus that `given` names; none, with the reason in errors.
 std::optional<std::size_t> bus_of(const NamedAddress& given, const Given& by,
                                   std::vector<std::string>& errors) {
   const std::vector<BusParams>& buses = by.scene.device->rig->buses;
@@ -45,7 +45,7 @@ std::optional<std::size_t> bus_of(const NamedAddress& given, const Given& by,
   return std::nullopt;
 }
 
-/// `pty` alone stands for one of each bus, as does a log.
+/// Expands `pty`, or a single log, to one NAME=ADDRESS per bus.
 std::vector<std::string> with_names(std::span<const std::string> given, const std::vector<BusParams>& buses) {
   std::vector<std::string> named;
   for (const std::string& text : given) {
@@ -58,8 +58,9 @@ std::vector<std::string> with_names(std::span<const std::string> given, const st
   return named;
 }
 
-/// A SYNC or a command of the last cycle is worth nothing in this one. What finds no slot waits in the queue of
-/// the rest, as do commands with extended identifiers (moteus).
+/// Reserves a transmit slot for the SYNC and for each command, because those of the last cycle are obsolete
+/// in this one.
+/// Frames without a slot wait in the common queue, as do commands with extended identifiers (moteus).
 void add_slots(LinuxLink& link, const RigParams& rig, Nanoseconds period) {
   for (std::size_t i = 0; i < rig.buses.size(); ++i)
     static_cast<void>(link.add_slot(i, canopen::make_sync().id, period / 2));
@@ -87,7 +88,7 @@ RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig
     const std::optional<std::size_t> index = bus_of(bus, by, errors);
     if (!index) continue;
     if (!where.texts[*index].empty())
-      errors.push_back(by.complaint("bus '" + buses[*index].name + "' is given twice"));
+      errors.push_back(by.complaint("bus '" + buses[*index].name + "' is given twice: remove one"));
     std::string error;
     addresses[*index] = parse_bus_address(bus.address, error);
     if (!addresses[*index]) errors.push_back(by.complaint(error));
@@ -102,7 +103,7 @@ RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig
   if (errors.empty() && !where.are_logs() &&
       std::ranges::any_of(where.addresses, [](const BusAddress& bus) { return bus.backend->is_file; }))
     errors.push_back(
-        by.complaint("a log and a bus that keeps time of its own do not go together: give replay:FILE for "
+        by.complaint("a log and a bus with a clock of its own do not go together: give replay:FILE for "
                      "every bus, or for none"));
   return where;
 }

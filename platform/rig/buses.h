@@ -1,7 +1,4 @@
-// The buses of a rig on this machine: which address each has, opened, filtered, and how promptly they are served.
-//
-// The room: filters.h says which frames a rig lets through; bring_up.h sets nodes up before the loop runs; last_frames.h are
-// for when the program dies; load_advice.h says what a bus bears, profiles.h what nodes are set up by; run.h is all of it around a step of one's own.
+// Buses of a rig on this machine: addresses, opening, filters, and transmit slots.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +15,7 @@ namespace godobject {
 
 struct RigAddresses {
   std::vector<BusAddress> addresses;  // one per bus of the scene, in its order
-  std::vector<std::string> texts;     // the same as given
+  std::vector<std::string> texts;     // the same as text, as given
 
   /// True if the frames of every bus are in a log.
   bool are_logs() const {
@@ -27,21 +24,23 @@ struct RigAddresses {
   }
 };
 
-/// An address where the scene has one bus, NAME=ADDRESS for each where it has several; `pty` alone stands for
-/// one of each, `replay:FILE` alone for a log that has all. Logs do not go with other buses: those keep time
-/// of their own.
-/// option: of the command line that gives them, "--bus"; empty: arguments.
+/// Assigns the given addresses to the buses of the scene. A bus is given as NAME=ADDRESS, or as ADDRESS if
+/// the scene has one bus.
+/// `pty` alone stands for one pseudo-terminal per bus, `replay:FILE` alone for a log of all buses. Logs and
+/// other buses do not mix, because those have clocks of their own.
+/// option: name of the command line option, such as "--bus", for messages; empty for arguments.
 RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig& scene,
                            const std::string& option, std::vector<std::string>& errors);
 
-/// The buses, closed. step: s. everything: also the frames that the rig does not listen to.
+/// Makes the buses, closed. step: period, s. everything: true to receive all frames, not only those of the
+/// rig.
 std::unique_ptr<LinuxLink> make_link(const RigAddresses& where, const RigParams& rig, double step,
                                      bool everything);
 
-/// Opens all that are closed. One line for each that does not open: bus, address, why, what to do.
+/// Opens all closed buses. Returns one line for each that fails: bus, address, reason, remedy.
 std::vector<std::string> open_buses(LinuxLink& link, const RigAddresses& where, const RigParams& rig);
 
-/// One line for each bus with something to say about it, as open_buses.
+/// Returns one line for each bus with a problem, in the form of open_buses().
 std::vector<std::string> bus_troubles(LinuxLink& link, const RigAddresses& where, const RigParams& rig);
 
 }  // namespace godobject

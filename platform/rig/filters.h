@@ -1,4 +1,4 @@
-// Which frames a rig listens to: what the kernel or an adapter may leave out before it wakes the loop.
+// CAN filters of a rig: the kernel or an adapter may drop all other frames before they wake the loop.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace godobject {
 
-/// Per bus of the rig. They pass everything of the rig's own nodes (CiA 301 7.3.3, the predefined connection
-/// set: PDO, EMCY, SDO, heartbeat; the frames of drives with a protocol of their own) and the host's own
-/// frames, NMT and SYNC among them, whose sending a bus confirms by giving them back.
+/// Returns the filters of each bus of the rig. They pass all frames of the rig's own nodes and of the host.
+/// Frames of nodes: the predefined connection set (CiA 301 7.3.3: PDO, EMCY, SDO, heartbeat), and those of
+/// drives with other protocols.
+/// Frames of the host: NMT and SYNC among them, because a bus confirms a transmission by returning the frame.
 std::vector<std::vector<CanFilter>> rig_filters(const RigParams& rig);
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// The last frames of a rig, ready for when the program dies.
+// Last frames of a rig, prepared for the death of the program.
 #pragma once
 
 #include "hal/rig/params.h"
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// A bus that keeps what it is given.
+/// A bus that stores the frames sent to it.
 class FrameNotebook final : public CanBus {
  public:
   bool open() noexcept override { return true; }
@@ -26,7 +26,8 @@ class FrameNotebook final : public CanBus {
   std::vector<CanFrame> frames_;
 };
 
-/// What Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational. Good until a bus is closed.
+/// Returns the frames that Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational.
+/// Valid until a bus is closed.
 std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link);
 
 }  // namespace godobject

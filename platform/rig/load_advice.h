@@ -1,4 +1,4 @@
-// What is said of the load of a bus, and which is too much to run on.
+// Advice on the load of a bus, and the limit above which no run starts.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@ namespace godobject {
 
 inline constexpr double advised_load_percent = 50, planned_load_percent = 70, full_load_percent = 100;
 
-/// About the worst case: empty up to advised_load_percent.
+/// Returns the advice on the worst-case load; empty up to advised_load_percent.
 std::string load_advice(const BusLoad& load);
-/// More than the bus can carry: nothing is to run on it.
+/// True if the load exceeds the capacity of the bus; no run may start on it.
 constexpr bool is_overloaded(const BusLoad& load) noexcept { return load.worst_percent > full_load_percent; }
 
 }  // namespace godobject

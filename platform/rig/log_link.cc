@@ -57,7 +57,7 @@ std::string LogLink::read_file(const std::string& path, std::span<const LogSourc
     std::string_view name;
     const CandumpResult result = parse_candump(line, frame, name);
     if (result == CandumpResult::ignored || result == CandumpResult::error_frame) continue;
-    if (result != CandumpResult::ok && in.eof()) break;  // cut off with the program that wrote it
+    if (result != CandumpResult::ok && in.eof()) break;  // truncated when the recording program ended
     if (result != CandumpResult::ok)
       return path + ":" + std::to_string(number) +
              ": no line of a log, as candump -l or godobject run --record writes it";
@@ -85,7 +85,7 @@ std::string LogLink::choose(const std::string& path, std::span<const LogSource> 
     if (name != names.end()) {
       bus_of_name[static_cast<std::size_t>(name - names.begin())] = i;
     } else if (!sources[i].interface.empty()) {
-      return path + ": holds nothing of " + wanted;
+      return path + ": holds no frame of " + wanted;
     }
   }
   return "";
@@ -110,8 +110,8 @@ bool LogLink::begins_cycle(std::size_t bus, const CanFrame& frame) const noexcep
   return !has_canopen_ && protocol.sender(frame) == 0;
 }
 
-/// Returns the time of a frame on the wire. A log has the end of a frame; a host that sent it began so much
-/// before.
+/// Returns the duration of a frame on the wire, ns. A log has the time of a frame's end; the start is earlier
+/// by this duration.
 Nanoseconds LogLink::wire_time(std::size_t bus, const CanFrame& frame) const noexcept {
   const BusParams& of = rig_.buses[bus];
   FrameBits bits = frame.fd ? nominal_bits(frame) : exact_bits(frame);
@@ -120,7 +120,7 @@ Nanoseconds LogLink::wire_time(std::size_t bus, const CanFrame& frame) const noe
                      {.nominal = of.bit_rate, .data = of.data_bit_rate > 0 ? of.data_bit_rate : of.bit_rate});
 }
 
-/// True if the host that wrote the log has sent the frame: a host does not hear itself.
+/// True if the host that wrote the log sent the frame; a host does not receive its own frames.
 bool LogLink::is_of_host(std::size_t bus, const CanFrame& frame) const noexcept {
   const BusProtocol protocol = bus_protocol(protocol_of_bus(rig_, bus));
   if (protocol.canopen && !frame.extended && canopen::is_from_master(frame, rig_.host_node_id)) return true;

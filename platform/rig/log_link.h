@@ -1,5 +1,5 @@
-// The buses of a rig as logs have them: frames arrive at the times of the log, on a clock of their own.
-// Frames that the rig sends go nowhere.
+// Buses of a rig, replayed from logs: frames arrive at the times of the log, on a clock of their own. Frames
+// that the rig sends are discarded.
 #pragma once
 
 #include <limits>
@@ -13,21 +13,22 @@
 
 namespace godobject {
 
-/// Where the frames of one bus are.
+/// Log that contains the frames of one bus.
 struct LogSource {
   std::string path;
-  std::string interface;  // empty: the one with the name of the bus, or the only one of the log
+  std::string interface;  // empty: the interface named as the bus, or the only one of the log
 };
 
-/// A cycle begins at each SYNC of the log, of a rig without CANopen at the first request, and where there is
-/// none left, a period after the last. Frames of the host that wrote the log are left out, since a host does
-/// not hear itself. Frames before its first cycle are left out too: nodes were set up by them.
+/// Replays logs as a RigLink. A cycle begins at each SYNC of the log; for a rig without CANopen at the first
+/// request. After the last one, cycles follow at the period.
+/// Frames of the host that wrote the log are left out, because a host does not receive its own frames. Frames
+/// before its first cycle are left out too, because they configured the nodes.
 class LogLink final : public RigLink {
  public:
-  /// period: of a cycle without a SYNC, ns.
+  /// period: duration of a cycle without a SYNC, ns.
   LogLink(const RigParams& rig, Nanoseconds period);
 
-  /// Reads the frames of each bus, once. Empty, or what is wrong and where.
+  /// Reads the frames of each bus, once. Returns empty, or the error and its place.
   [[nodiscard]] std::string read(std::span<const LogSource> sources);
   /// True if no frame is left.
   bool ended() const noexcept { return now_ >= end_; }
@@ -40,7 +41,7 @@ class LogLink final : public RigLink {
   void set_observer(const BusObserver& observer) noexcept override { observer_ = observer; }
 
  private:
-  /// One bus, as far as the log has come.
+  /// One bus, with its position in the log.
   class LoggedBus final : public CanBus {
    public:
     LoggedBus(const LogLink& log, std::size_t index) : log_(log), index_(index) {}

@@ -1,4 +1,4 @@
-// The profiles by which a rig's nodes are set up, and what they must do where torque is commanded.
+// Profiles that configure a rig's nodes, and their check where torque is commanded.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace godobject {
 
-/// The profiles of the scene's rig, which it has, looked for beside its file; its drives get their modes and
-/// bits from them. Where the scene shows force, a drive that would keep its torque when this program dies is
-/// an error.
+/// Loads the profiles of the scene's rig (which must exist) from beside the scene file. Drives take their
+/// modes and bits from them.
+/// Reports an error if the device displays force and a drive would keep its torque when this program dies.
 RigProfiles checked_profiles(SceneConfig& scene, const std::string& scene_file,
                              std::vector<std::string>& errors);
 

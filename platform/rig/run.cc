@@ -23,7 +23,7 @@ std::string lines(const std::vector<std::string>& all) {
   return text;
 }
 
-/// Once a period, from booting to the end.
+/// One period of the loop, from booting to the end.
 class RigCycle {
  public:
   RigCycle(const SceneConfig& scene, RigDevice& device, const RigRun::Step& step, const StopSignals& signals)
@@ -38,7 +38,7 @@ class RigCycle {
     phases_.start(usual_boot_limit_s);
   }
 
-  /// False after the last period.
+  /// Returns false after the last period.
   bool operator()(const Wake& wake) noexcept {
     if (signals_.requested().load(std::memory_order_relaxed)) phases_.stop();
     if (signals_.insisted().load(std::memory_order_relaxed)) phases_.quick_stop();

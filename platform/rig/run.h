@@ -1,5 +1,5 @@
-// A step of one's own on the rig that a scene file describes: what `godobject run --bus` does around its engine's step, for a
-// program that has its scene in code. It commands motors; whatever ends it takes the torque away.
+// Runs a user's step on the rig that a scene file describes, as `godobject run --bus` runs its engine's step.
+// For programs with a scene in code. Commands motors, and removes their torque whenever it ends.
 #pragma once
 
 #include <functional>
@@ -15,31 +15,33 @@ namespace godobject {
 
 class RigRun {
  public:
+  /// Reads and checks the scene and opens its buses; sends no frame. See errors().
   /// Closed descriptors 0 to 2 are opened on /dev/null, so that no bus becomes standard error.
-  /// scene_file: with a device on buses. addresses: as rig_addresses(). Reads, checks and opens; nothing is sent yet. See
-  /// errors().
+  /// scene_file: a scene with a device on buses. addresses: as for rig_addresses().
   RigRun(const std::string& scene_file, std::span<const std::string> addresses);
 
-  /// Each a line: what, where, what to do. Not empty: step_s() and run() are not to be called.
+  /// Errors, one line each: subject, place, remedy. If not empty, step_s() and run() must not be called.
   const std::vector<std::string>& errors() const noexcept { return errors_; }
-  /// The scene's, s.
+  /// Step of the scene, s.
   double step_s() const noexcept { return scene_.step; }
 
-  /// One step, on the real-time thread: the samples of the scene's bodies at its end, and the wrench on the hand that each is
-  /// to show (zero before). False: it was the last.
+  /// One step on the real-time thread. Returns false if it was the last.
+  /// First argument: samples of the scene's bodies at the end of the step.
+  /// F_hand_W: wrenches to display on the hand, N and N m, one per body, zero on entry.
   using Step = std::function<bool(std::span<const BodySample>, std::span<Wrench> F_hand_W)>;
 
   struct Result {
     std::uint64_t steps = 0;
     std::uint64_t missed_deadlines = 0;
-    std::string why_not;  // it never came to a step: a line for each reason
+    std::string why_not;  // if no step was made: one line for each reason
     std::string faults;   // of the rig, a line each
-    std::string signal;   // that ended it
+    std::string signal;   // that ended the run
     bool is_good() const noexcept { return steps > 0 && faults.empty(); }
   };
-  /// In this thread, once: sets the nodes up, boots, steps once a period, runs the torque down at the last step, at a fault and at
-  /// a signal, and switches the drives off, also when the program dies. Many missed deadlines hold the samples, too many in a row
-  /// end it.
+  /// Runs the rig in this thread; to be called once. Sets up the nodes, boots, steps once a period, and
+  /// finally runs the torque down and switches the drives off.
+  /// The last step, a fault and a signal end the run; drives are switched off also if the program dies. Many
+  /// missed deadlines make the samples invalid, too many in a row end the run.
   Result run(const Step& step);
 
  private:
@@ -47,7 +49,7 @@ class RigRun {
   std::vector<std::string> errors_;
   RigAddresses where_;
   RigProfiles profiles_;
-  LinuxLink* link_ = nullptr;  // the device's
+  LinuxLink* link_ = nullptr;  // owned by device_
   std::unique_ptr<RigDevice> device_;
 };
 

@@ -15,7 +15,7 @@
 namespace godobject {
 namespace {
 
-constexpr std::size_t chunk = 1 << 16;  // bytes in one write: progress is seen in steps of it
+constexpr std::size_t chunk = 1 << 16;  // bytes in one write, and so the resolution of `progress`
 
 std::uint64_t lines_in(std::string_view text) {
   return static_cast<std::uint64_t>(std::ranges::count(text, '\n'));
@@ -26,21 +26,22 @@ std::uint64_t lines_in(std::string_view text) {
 struct BackgroundFile::State {
   std::mutex mutex;
   std::condition_variable changed;
-  std::string path;  // empty: the descriptor is somebody else's
+  std::string path;  // empty: the caller owns the descriptor
   Source source;
-  Clock::time_point gathered;  // when it was called last
+  Clock::time_point gathered;  // time of the last call
   int descriptor = -1;
   std::size_t room = 0;
   std::string waiting, writing;
-  std::size_t written = 0;     // of `writing`
+  std::size_t written = 0;     // bytes of `writing` that are written
   std::uint64_t progress = 0;  // bytes written in all
   std::uint64_t lost_lines = 0;
   std::string why;
   bool failed = false, closing = false, ended = false;
-  bool wanted = false;  // a writer has found no room
+  bool wanted = false;  // a writer found no space
 
   void run() noexcept;
-  /// A console gets its text at once.
+  /// True if the thread must write now: a writer needs space, the buffer is a quarter full, or it is for a
+  /// console.
   bool is_urgent() const noexcept {
     return wanted || (path.empty() && !waiting.empty()) || waiting.size() > room / 4;
   }
@@ -74,7 +75,7 @@ void BackgroundFile::start() {
     thread_ = std::thread([state = state_] { state->run(); });
   } catch (const std::system_error& error) {
     const std::lock_guard lock(state_->mutex);
-    state_->fail(std::string("no thread can be started to write it: ") + error.what());
+    state_->fail(std::string("its writer thread cannot be started: ") + error.what());
     state_->ended = true;
   }
 }
@@ -90,7 +91,7 @@ bool BackgroundFile::write(std::string_view text, std::chrono::milliseconds pati
     const std::uint64_t before = state_->progress;
     state_->changed.wait_for(lock, patience, [&] { return has_room() || state_->progress != before; });
     if (!has_room() && state_->progress == before)
-      state_->fail("it took nothing for " + std::to_string(patience.count()) + " ms");
+      state_->fail("it accepted no bytes for " + std::to_string(patience.count()) + " ms");
   }
   if (state_->failed || state_->closing || !has_room()) {
     state_->lost_lines += lines_in(text);
@@ -106,7 +107,8 @@ BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
   state_->closing = true;
   state_->changed.notify_all();
   state_->changed.wait_until(lock, until, [&] { return state_->ended || state_->failed; });
-  if (!state_->ended && !state_->failed) state_->fail("it took no more, and was not waited for any longer");
+  if (!state_->ended && !state_->failed)
+    state_->fail("it accepted no more bytes in time, and writing was given up");
   const bool ended = state_->ended;
   Result result{.why = state_->why, .lost_lines = state_->lost_lines};
   lock.unlock();
@@ -114,7 +116,7 @@ BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
   return result;
 }
 
-/// What has not been written is lost, and whatever comes.
+/// Gives the file up: all unwritten and all later text is lost.
 void BackgroundFile::State::fail(std::string reason) {
   if (failed) return;
   failed = true;
@@ -175,7 +177,7 @@ bool BackgroundFile::State::open_file() {
   return descriptor >= 0;
 }
 
-/// False: all of it is written, or nothing more will be.
+/// Writes one chunk. Returns false if all is written or the file has failed.
 bool BackgroundFile::State::write_some(std::unique_lock<std::mutex>& lock) {
   const std::string_view rest = std::string_view(writing).substr(written, chunk);
   if (rest.empty()) return false;

@@ -1,4 +1,4 @@
-// The clock the loop runs on: monotonic, in nanoseconds, never wall time.
+// Clock of the loop: monotonic, in nanoseconds, never wall time.
 #pragma once
 
 #include <cerrno>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-/// CLOCK_MONOTONIC. What Cyclic needs of a clock; tests bring their own.
+/// CLOCK_MONOTONIC, with the functions that Cyclic requires; tests use clocks of their own.
 struct MonotonicClock {
   Nanoseconds now() const noexcept {
     timespec t{};
@@ -16,7 +16,7 @@ struct MonotonicClock {
     return Nanoseconds{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
   }
 
-  /// Returns at t or later; at once when t has passed. A signal does not shorten it.
+  /// Returns at t or later; at once if t has passed. A signal does not shorten the wait.
   void sleep_until(Nanoseconds t) const noexcept {
     timespec until{};
     until.tv_sec = static_cast<std::time_t>(t / 1'000'000'000);

@@ -1,8 +1,4 @@
-// The loop that keeps a period: absolute deadlines, what was late and what was left out.
-//
-// The room: clock.h, histogram.h, deadline_watch.h; setup.h and machine.h prepare and describe the machine; ring.h and
-// background_file.h carry records off the loop; last_resort.h writes the last frames when
-// nothing else works, stop_signals.h takes the signals that end a run.
+// Loop with absolute deadlines; counts late cycles and skipped periods.
 #pragma once
 
 #include "platform/rt/histogram.h"
@@ -12,7 +8,7 @@
 namespace godobject {
 
 struct CyclicStatistics {
-  Histogram wake_ns;     // from the time a cycle was to start to its start
+  Histogram wake_ns;     // from the planned to the actual start of a cycle
   Histogram compute_ns;  // from the start of a cycle to its end
   std::uint64_t cycles = 0;
   std::uint64_t late = 0;     // cycles that ended after their period
@@ -21,11 +17,11 @@ struct CyclicStatistics {
   std::uint64_t missed() const noexcept { return late + skipped; }
 };
 
-/// How a cycle begins. Stands for the latency alone where no more is wanted.
+/// Start of a cycle. Converts to the latency alone.
 struct Wake {
-  Nanoseconds latency = 0;    // from the time it was to start to its start
-  std::uint64_t skipped = 0;  // periods left out before it
-  bool late_before = false;   // the cycle before ended after its period
+  Nanoseconds latency = 0;    // from the planned to the actual start
+  std::uint64_t skipped = 0;  // periods left out before this cycle
+  bool late_before = false;   // true if the previous cycle ended after its period
 
   operator Nanoseconds() const noexcept { return latency; }
 };
@@ -36,9 +32,9 @@ class Cyclic {
  public:
   Cyclic(Clock& clock, Nanoseconds period) noexcept : clock_(clock), period_(period) {}
 
-  /// Calls work(Wake) once a period, for the first time one period from now, until it
-  /// returns false. Late by less than a period: runs at once, and the phase stays. Whole periods that have
-  /// passed are left out and counted: the work's own step is never stretched, nor are cycles crowded.
+  /// Calls work(Wake) once a period until it returns false; first one period from now.
+  /// A cycle that is late by less than a period runs at once and keeps the phase. Whole periods that have
+  /// passed are skipped and counted: cycles are neither stretched nor crowded.
   template <class Work>
   void run(Work&& work) noexcept {
     Nanoseconds release = clock_.now() + period_;

@@ -1,4 +1,4 @@
-// What missed deadlines lead to. Time is counted in periods.
+// Consequences of missed deadlines. Time is counted in periods.
 #pragma once
 
 #include <algorithm>
@@ -8,18 +8,20 @@
 
 namespace godobject {
 
-/// A deadline is missed by a cycle that ends after its period, and by each period in which no cycle ran.
+/// Counts missed deadlines: each cycle that ends after its period, and each period without a cycle.
 class DeadlineWatch {
  public:
-  static constexpr std::size_t many = 5;  // in window_s: the pose is held, the force fades
+  static constexpr std::size_t many = 5;  // misses within window_s after which the pose is held and the force
+                                          // fades
   static constexpr double window_s = 0.1;
   static constexpr std::uint64_t too_many =
-      20;  // in a row: a fault. So long does a drive's watchdog wait at 1 kHz
+      20;  // misses in a row that are a fault; equals the timeout of a drive's watchdog at 1 kHz
 
   explicit DeadlineWatch(double step_s)
       : window_(static_cast<std::uint64_t>(std::max(std::llround(window_s / step_s), 1LL))) {}
 
-  /// Before each cycle: whether the one before was late, and how many periods have been left out since.
+  /// Updates before each cycle. late: true if the previous cycle was late. skipped: periods left out since
+  /// then.
   void add(bool late, std::uint64_t skipped) noexcept {
     if (late) miss(period_);
     else in_a_row_ = 0;
@@ -29,7 +31,7 @@ class DeadlineWatch {
   }
   void reset() noexcept { *this = DeadlineWatch(window_); }
 
-  /// 5 or more within the last 100 ms.
+  /// True after 5 or more misses within the last 100 ms.
   bool holds() const noexcept {
     const std::uint64_t oldest = last_[next_];
     return oldest > 0 && period_ - oldest < window_;
@@ -46,8 +48,8 @@ class DeadlineWatch {
   }
 
   std::uint64_t window_;                    // periods
-  std::uint64_t period_ = 1;                // of the cycle that comes
-  std::array<std::uint64_t, many> last_{};  // periods of the last misses; 0: none
+  std::uint64_t period_ = 1;                // of the coming cycle
+  std::array<std::uint64_t, many> last_{};  // periods of the last misses; 0 if none
   std::size_t next_ = 0;
   std::uint64_t in_a_row_ = 0;
 };

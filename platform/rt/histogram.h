@@ -1,4 +1,4 @@
-// A histogram of durations with bins of fixed relative width: an hour of a loop in 9 kB.
+// Histogram of durations with bins of fixed relative width: an hour of a loop in 9 kB.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,10 @@
 
 namespace godobject {
 
-/// Values are counted in log-linear bins: exact up to 2 * steps_per_octave, from there steps_per_octave equal
-/// bins between each power of two and the next, so that a bin's edge is at most 1/32 above any value in it.
-/// Values below 0 count as 0, values of 2^40 and above (18 min in ns) in the last bin. Adding is real-time.
+/// Counts values in log-linear bins: exact up to 2 * steps_per_octave, then steps_per_octave equal bins per
+/// octave. A bin's edge is at most 1/32 above any value in it.
+/// Values below 0 count as 0; values of 2^40 and above (18 min in ns) count in the last bin. Adding is
+/// real-time.
 class Histogram {
  public:
   static constexpr unsigned steps_log2 = 5;
@@ -31,7 +32,7 @@ class Histogram {
   std::int64_t max() const noexcept { return max_; }
   std::uint64_t in_bin(std::size_t bin) const noexcept { return bins_[bin]; }
 
-  /// The largest value that falls into the bin.
+  /// Returns the largest value of the bin.
   static constexpr std::int64_t upper_edge(std::size_t bin) noexcept {
     if (bin < 2 * steps_per_octave) return static_cast<std::int64_t>(bin);
     const std::size_t shift = bin / steps_per_octave - 1;
@@ -39,8 +40,8 @@ class Histogram {
     return static_cast<std::int64_t>(((step + 1) << shift) - 1);
   }
 
-  /// A bound that at least this share (0 to 1) of the values does not exceed, within a bin's width;
-  /// 0 when empty.
+  /// Returns a bound that at least this share of the values does not exceed, within a bin's width; 0 if
+  /// empty. share: 0 to 1.
   std::int64_t percentile(double share) const noexcept {
     const double rank = std::ceil(std::clamp(share, 0.0, 1.0) * static_cast<double>(count_));
     std::uint64_t seen = 0;

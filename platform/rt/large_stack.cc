@@ -24,7 +24,7 @@ void give_threads_as_much() noexcept {
   pthread_attr_destroy(&attributes);
 }
 
-const std::function<void()>* called = nullptr;  // makecontext() passes no pointers
+const std::function<void()>* called = nullptr;  // global, because makecontext() passes no pointers
 
 void enter() { (*called)(); }
 
@@ -42,7 +42,7 @@ bool call_on_large_stack(const std::function<void()>& f) {
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_STACK, -1, 0);
   if (memory == MAP_FAILED) return false;
-  mprotect(memory, guard_bytes, PROT_NONE);  // an overflow is a SIGSEGV
+  mprotect(memory, guard_bytes, PROT_NONE);  // turns an overflow into a SIGSEGV
   ucontext_t caller{}, context{};
   getcontext(&context);
   context.uc_stack.ss_sp = static_cast<std::byte*>(memory) + guard_bytes;

@@ -15,8 +15,8 @@
 namespace godobject {
 namespace {
 
-constexpr int patience_ms = 50;  // with a bus that takes no more
-constexpr int settling_ms = 2;   // for a write that another thread has begun
+constexpr int patience_ms = 50;  // limit for a bus that accepts no more bytes
+constexpr int settling_ms = 2;   // limit for a write that another thread has begun
 constexpr std::size_t stack_size = 1 << 16;
 
 struct DeadlySignal {
@@ -39,7 +39,7 @@ std::atomic<bool> done{false};
 
 void sleep_ms(int ms) noexcept { static_cast<void>(::poll(nullptr, 0, ms)); }
 
-/// A standard error that takes nothing is not waited for.
+/// Writes to standard error, unless that would block.
 void say(std::string_view text) noexcept {
   pollfd out{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
   if (::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0)
@@ -59,9 +59,9 @@ void write_all(int descriptor, std::string_view bytes) noexcept {
   }
 }
 
-/// Writes the last words, once. True: there were some.
+/// Writes the last frames, once. Returns true if there were any.
 bool speak() noexcept {
-  if (!BusWrite::end()) {  // another thread is at it, and dies when it has done
+  if (!BusWrite::end()) {  // another thread writes them, and dies afterwards
     for (int ms = 0; ms < 4 * patience_ms && !done; ++ms) sleep_ms(1);
     return false;
   }
@@ -76,7 +76,7 @@ bool speak() noexcept {
   return buses != nullptr;
 }
 
-constexpr std::string_view motors_off = "; the drives were told to switch their motors off\n";
+constexpr std::string_view motors_off = "; the drives were commanded to switch their motors off\n";
 
 void on_deadly_signal(int signal) {
   const int error = errno;
@@ -87,13 +87,14 @@ void on_deadly_signal(int signal) {
     say(deadly.name);
     say(spoken ? motors_off : "\n");
   }
-  // Pending until the handler returns; then with its default action, core dump and all.
+  // Pending until the handler returns; then handled by the default action, including the core dump.
   std::signal(signal, SIG_DFL);
   static_cast<void>(raise(signal));
   errno = error;
 }
 
-/// Not a signal handler: the exception may be asked what it is. The motors come first.
+/// Handles std::terminate: first switches the motors off, then prints the exception's text. No signal
+/// handler, so this may allocate.
 [[noreturn]] void on_terminate() noexcept {
   const bool spoken = speak();
   const char* what = "terminated";

@@ -1,4 +1,4 @@
-// What is left to do when the program dies: frames that switch the motors off, encoded beforehand and written by the
+// Last frames of a dying program: they switch the motors off, are encoded beforehand and written by the
 // handler of the deadly signal. Process-wide, for one rig at a time.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace godobject {
 
-/// The rest of a line that a short write has cut off: on a bus of lines the last frames come after it. Stored
-/// by the thread that writes, within a BusWrite; read by the last resort.
+/// Rest of a line that a short write cut off, for buses of text lines: the last frames follow it. The writing
+/// thread stores it within a BusWrite; the last resort reads it.
 class LineRest {
  public:
   void store(std::string_view rest) noexcept {
@@ -30,16 +30,16 @@ class LineRest {
   static_assert(std::atomic<std::size_t>::is_always_lock_free, "read in a signal handler");
 };
 
-/// The last frames on one bus: where to write, and what, in this order. One write each: a frame is one message on a CAN
-/// socket.
+/// Last frames on one bus, in the order of writing. Each is one write, because a write to a CAN socket is one
+/// frame.
 struct LastWords {
   int descriptor = -1;  // non-blocking; -1: the bus is closed, nothing is written
   std::vector<std::string> writes;
   const LineRest* rest = nullptr;  // written first; null: the bus has no lines
 };
 
-/// While it lives, its words are written when the process dies by a signal that announces a defect (SIGABRT,
-/// SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP) or by std::terminate. One at a time.
+/// Writes its frames if the process dies by a defect, as long as this object exists. A defect is SIGABRT,
+/// SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP or std::terminate. One at a time.
 class LastResort {
  public:
   explicit LastResort(std::vector<LastWords> buses);
@@ -47,15 +47,15 @@ class LastResort {
   LastResort(const LastResort&) = delete;
   LastResort& operator=(const LastResort&) = delete;
 
-  /// Installs the handlers, for the rest of the process. Without words they only say which signal it was.
+  /// Installs the handlers, for the rest of the process. Without frames they only report the signal.
   static void install();
 
  private:
   std::vector<LastWords> buses_;
 };
 
-/// A stack for handlers of signals, for the thread that makes it: one whose own stack has overflowed has no other. Out of
-/// memory there is none, and the handlers run on the thread's own.
+/// A stack for signal handlers of the constructing thread, needed if the thread's own stack overflows. Out of
+/// memory, handlers run on the thread's own stack.
 class SignalStack {
  public:
   SignalStack() noexcept;
@@ -67,7 +67,7 @@ class SignalStack {
   std::unique_ptr<char[]> memory_;
 };
 
-/// Around every write to a bus: once the last words are being written, nothing else is.
+/// Guards every write to a bus: once the last frames are being written, no other write begins.
 class BusWrite {
  public:
   BusWrite() noexcept { writing_.fetch_add(1); }
@@ -77,7 +77,7 @@ class BusWrite {
 
   bool allowed() const noexcept { return !ended_.load(); }
 
-  /// For the last resort: no write begins any more. False: that was so already.
+  /// For the last resort: forbids further writes. Returns false if they were forbidden already.
   static bool end() noexcept { return !ended_.exchange(true); }
   static bool none_is_going_on() noexcept { return writing_.load() == 0; }
 

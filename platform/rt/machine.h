@@ -1,4 +1,4 @@
-// What the program runs on, for reports.
+// Processor and kernel of this machine, for reports.
 #pragma once
 
 #include <string>

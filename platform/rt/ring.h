@@ -1,4 +1,4 @@
-// A bounded queue from one thread to one other thread, without locks: how records leave the real-time thread.
+// Bounded lock-free queue from one thread to another, for records of the real-time thread.
 #pragma once
 
 #include <atomic>
@@ -9,22 +9,21 @@
 
 namespace godobject {
 
-/// One thread pushes, one other thread pops. A record that finds the ring full is lost and counted. Taking a
-/// record over from another must not allocate: it owns nothing, or storage that all records of the ring have
-/// alike.
+/// One thread pushes, one other thread pops. If the ring is full the record is lost and counted.
+/// Assigning a record must not allocate: T owns no memory, or all records own the same amount.
 template <class T>
 class Ring {
   static_assert(std::atomic<std::size_t>::is_always_lock_free);
 
  public:
-  /// Room for at least this many records, all like `like`. Allocates, and touches all of it; nothing later
-  /// does.
+  /// capacity: minimum number of records. like: initial value of all slots. Allocates and touches all memory;
+  /// the other functions do not allocate.
   explicit Ring(std::size_t capacity, const T& like = {})
       : slots_(std::bit_ceil(capacity), like), mask_(slots_.size() - 1) {}
 
   std::size_t capacity() const noexcept { return slots_.size(); }
 
-  /// Producer. False, and counted, when the ring is full.
+  /// For the producer. Returns false and counts a loss if the ring is full.
   bool try_push(const T& record) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head - tail_.load(std::memory_order_acquire) == slots_.size()) {
@@ -36,7 +35,7 @@ class Ring {
     return true;
   }
 
-  /// Consumer. False when the ring is empty.
+  /// For the consumer. Returns false if the ring is empty.
   bool try_pop(T& record) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (head_.load(std::memory_order_acquire) == tail) return false;
@@ -45,11 +44,11 @@ class Ring {
     return true;
   }
 
-  /// Records lost because the ring was full. Any thread.
+  /// Records lost because the ring was full. For any thread.
   std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
 
  private:
-  // The two ends count up and wrap at the size of their type; each on its own cache line.
+  // Both ends count up and wrap at the size of their type; each is on its own cache line.
   static constexpr std::size_t cache_line = 64;
   std::vector<T> slots_;
   std::size_t mask_;

@@ -28,32 +28,30 @@ RtStep look_at_kernel() {
   return {.name = "kernel",
           .result = RtResult::degraded,
           .detail = "not PREEMPT_RT: wake-ups may be late by milliseconds",
-          .remedy = "apt install linux-image-rt-amd64, and boot it"};
+          .remedy = "apt install linux-image-rt-amd64, then boot it"};
 }
 
-/// With a limit on locked memory, locking what is yet to come would make later allocations fail: then only
-/// what is there now is locked.
+/// Locks memory. Future memory is locked only without a limit on locked memory, because otherwise later
+/// allocations would fail.
 RtStep lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   const bool unlimited = limit.rlim_cur == RLIM_INFINITY || geteuid() == 0;
-  RtStep step{.name = "lock memory",
-              .result = RtResult::ok,
-              .detail = "all of it, also what is yet to come",
-              .remedy = ""};
+  RtStep step{
+      .name = "lock memory", .result = RtResult::ok, .detail = "all present and future memory", .remedy = ""};
   if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0) {
     step.result = RtResult::failed;
     step.detail = "mlockall: " + error_text(errno);
   } else if (!unlimited) {
     step.result = RtResult::degraded;
-    step.detail = "what there is now; " + std::to_string(limit.rlim_cur / 1024) + " KiB are allowed";
+    step.detail = "present memory only; " + std::to_string(limit.rlim_cur / 1024) + " KiB is the limit";
   }
   if (step.result != RtResult::ok)
     step.remedy = "'<user> - memlock unlimited' in /etc/security/limits.d/, and log in again";
   return step;
 }
 
-/// Memory given back to the system would cost a page fault when it is needed again.
+/// Keeps freed memory in the process, because reusing returned memory costs a page fault.
 RtStep keep_heap() {
   const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
   if (kept)
@@ -86,7 +84,7 @@ RtStep take_priority() {
   if (error == 0) return {.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
   return {.name = "priority",
           .result = RtResult::degraded,
-          .detail = wanted + ": " + error_text(error) + "; runs as any other thread",
+          .detail = wanted + ": " + error_text(error) + "; runs at normal priority",
           .remedy = "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"};
 }
 
@@ -106,8 +104,8 @@ RtProcess::~RtProcess() {
   munlockall();
 }
 
-/// Documentation/power/pm_qos_interface.rst of Linux: the longest wake-up of a processor, in us, while the
-/// file is open.
+/// Limits the wake-up latency of the processors while the file is open (pm_qos_interface.rst in Linux's
+/// Documentation/power).
 RtStep RtProcess::forbid_deep_sleep() {
   RtStep step{
       .name = "processor sleep", .result = RtResult::ok, .detail = "no deep idle states", .remedy = ""};

@@ -1,4 +1,4 @@
-// What makes Linux keep a deadline, step by step, each with its result: nothing of it fails in silence.
+// Real-time setup of Linux, step by step. Each step has a result, so that no failure is silent.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@ namespace godobject {
 
 enum class RtResult : std::uint8_t {
   ok,
-  degraded,  // works, with longer latencies than could be had
+  degraded,  // works, with longer latencies than possible
   failed,
 };
 std::string_view name_of(RtResult result) noexcept;
@@ -18,14 +18,14 @@ std::string_view name_of(RtResult result) noexcept;
 struct RtStep {
   std::string name;
   RtResult result = RtResult::ok;
-  std::string detail;  // what is in effect, or the system's error text
-  std::string remedy;  // what to do about it; empty when ok
+  std::string detail;  // the setting in effect, or the system's error text
+  std::string remedy;  // empty if ok
 };
 
-/// Set-up of the process, undone when it goes. Not for the loop.
+/// Setup of the process, undone by the destructor. Not for the loop.
 class RtProcess {
  public:
-  /// Looks at the kernel's preemption, locks memory and keeps it, forbids deep sleep states of the processor.
+  /// Checks the kernel's preemption, locks memory and keeps it, forbids deep sleep states of the processor.
   RtProcess();
   ~RtProcess();
   RtProcess(const RtProcess&) = delete;
@@ -37,16 +37,16 @@ class RtProcess {
   RtStep forbid_deep_sleep();
 
   std::vector<RtStep> steps_;
-  int latency_fd_ = -1;  // the request holds while it is open
+  int latency_fd_ = -1;  // the request is in effect while it is open
 };
 
-/// Set-up of the calling thread: SCHED_FIFO at rt_priority, stack touched.
+/// Sets up the calling thread: SCHED_FIFO at rt_priority, stack touched.
 std::vector<RtStep> set_up_rt_thread();
 
 /// Above the interrupt threads' 50, below the kernel's own 99.
 inline constexpr int rt_priority = 80;
 
-/// One line a step: name, result, detail, remedy.
+/// Formats one line a step: name, result, detail, remedy.
 std::string rt_table(std::span<const RtStep> steps);
 
 }  // namespace godobject

@@ -10,7 +10,7 @@ namespace godobject {
 bool keep_standard_descriptors() noexcept {
   for (int standard = STDIN_FILENO; standard <= STDERR_FILENO; ++standard) {
     if (::fcntl(standard, F_GETFD) >= 0) continue;
-    int opened = -1;  // the lowest number that is free: this one
+    int opened = -1;  // the lowest free number, which is this one
     do {
       opened = ::open("/dev/null", O_RDWR);
     } while (opened < 0 && errno == EINTR);

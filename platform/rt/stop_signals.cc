@@ -45,7 +45,8 @@ sigset_t signals_of(SignalFate fate) noexcept {
   return set;
 }
 
-/// A deadly signal that is blocked, as it may be inherited from the parent process, ends the process without its handler.
+/// Unblocks the deadly signals, which the parent process may have blocked. A blocked one would end the
+/// process without its handler.
 void unblock_deadly_signals() noexcept {
   const sigset_t deadly = signals_of(SignalFate::last_resort);
   pthread_sigmask(SIG_UNBLOCK, &deadly, nullptr);

@@ -1,4 +1,4 @@
-// The fate of every signal: which of them end a run, which are ignored, and which leave time for last words only.
+// Effect of every signal: ends the run, is ignored, or ends the process after the last frames.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace godobject {
 
 enum class SignalFate : std::uint8_t {
   stop,         // a request: torque runs down, drives off, files complete, summary
-  ignored,      // what it announces becomes the error of a write, and that of a file is reported
+  ignored,      // reported instead as the error of the write that caused it
   last_resort,  // a defect: platform/rt/last_resort.h
 };
 
@@ -22,33 +22,36 @@ struct SignalRow {
   SignalFate fate = SignalFate::stop;
 };
 
-/// Every signal that can be caught and whose default action would end or suspend the process; real-time signals, which
-/// have no names, have the fate `stop` too.
+/// Lists every signal that can be caught and that ends or suspends a process by default. Real-time signals
+/// have no names and are not listed; they have the fate `stop`.
 std::span<const SignalRow> signal_rows() noexcept;
 
-/// For the verbs that command motors or play them: from now on a dead terminal, a pipe without a reader and a limit on
-/// the size of files end nothing, and a defect of the program switches the motors off. To the end of the process.
+/// Protects the process to its end, for the verbs that command or simulate motors. A dead terminal, a pipe
+/// without a reader and a limit on file sizes no longer end it, and a defect switches the motors off.
 void guard_process();
 
-/// In the thread that calls it: the stop signals are taken by the others, and the deadly ones reach the last resort.
+/// Blocks the stop signals in the calling thread, so that other threads receive them. Deadly signals still
+/// reach the last resort.
 void block_stop_signals() noexcept;
 
-/// Set-up of every thread beside the main one, at its begin and as long as it runs: its name, signals as block_stop_signals(), and
-/// a stack on which the last resort runs.
+/// Setup of every thread but the main one, from its start to its end.
+/// It sets the name, the signals as by block_stop_signals(), and a stack for the last resort.
 class ThreadSetup {
  public:
-  /// name: at most 15 characters, as `ps -T` and a table in docs/running.md have it.
+  /// name: at most 15 characters, as in `ps -T` and the table of threads in docs/running.md.
   explicit ThreadSetup(const char* name) noexcept;
 
  private:
   SignalStack stack_;
 };
 
-/// Whether a process that commands motors may be suspended (Ctrl-Z): its drives would be without their host.
+/// Policy for Ctrl-Z: a process that commands motors must not be suspended, because its drives would lose
+/// their host.
 enum class Suspension : std::uint8_t { allowed, stops };
 
-/// While it lives, signals whose fate is `stop` set requested(), and from the second on insisted(); at its end the
-/// former handlers are back. A hang-up that was ignored already (nohup) stays so. One at a time.
+/// Catches signals with the fate `stop` as long as this object exists. The first sets requested(), further
+/// ones insisted(). The destructor restores the former handlers. A hang-up that was ignored already (nohup)
+/// stays ignored. One at a time.
 class StopSignals {
  public:
   explicit StopSignals(Suspension suspension = Suspension::allowed) noexcept;
@@ -58,9 +61,9 @@ class StopSignals {
 
   const std::atomic<bool>& requested() const noexcept { return requested_; }
   const std::atomic<bool>& insisted() const noexcept { return insisted_; }
-  /// As a signal would: for what ends a run from inside.
+  /// Requests a stop from inside the program, as a signal would.
   void request() const noexcept { requested_ = true; }
-  /// "SIGINT", the one that came first; empty where none has come.
+  /// Name of the first signal, "SIGINT"; empty if none came.
   std::string_view name() const noexcept;
 
   static constexpr std::size_t max_signals = 64;

@@ -1,4 +1,5 @@
-// What a simulated device says of a [[fault]] table. Who reads scenes hands it in; platform/simulated/fault_checks.h has it.
+// Checks of [[fault]] tables by a simulated device. The reader of a scene receives them;
+// platform/simulated/fault_checks.h defines them.
 #pragma once
 
 #include <string>
@@ -8,11 +9,11 @@
 
 namespace godobject {
 
-/// Without either, nobody here simulates: any verb goes.
+/// Both null: no simulator is linked, and fault verbs are not checked.
 struct FaultChecks {
-  /// What can be played at all.
+  /// Returns all verbs that can be played.
   std::vector<std::string> (*verbs)() = nullptr;
-  /// Why the device, simulated, cannot play this; empty: it can.
+  /// Returns why the simulated device cannot play the fault; empty if it can.
   std::string (*why_not_playable)(const FaultConfig& fault, const DeviceConfig& device) = nullptr;
 };
 

@@ -14,7 +14,7 @@ FaultsResult parse_faults(std::string_view toml, const std::string& file, const 
   const DeviceConfig* const device = scene.device ? &*scene.device : nullptr;
   FaultsResult result;
   TomlReader reader(*parsed, "", "the file", log);
-  reader.tables(TableKey{"fault", "A fault that the simulated rig plays.", true, 10'000}, result.faults,
+  reader.tables(TableKey{"fault", "A fault played by the simulated rig.", true, 10'000}, result.faults,
                 [&](auto& t, FaultConfig& f) { visit_fault(t, device, checks, f); });
   reader.finish();
   result.errors = log.errors();

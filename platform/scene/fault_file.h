@@ -11,12 +11,13 @@ namespace godobject {
 
 struct FaultsResult {
   std::vector<FaultConfig> faults;
-  std::vector<std::string> errors;  // "file:line:column: what"
+  std::vector<std::string> errors;  // "file:line:column: text"
 };
 
-/// Faults for this scene's rig.
+/// Reads faults for this scene's rig.
 FaultsResult load_faults(const std::string& path, const SceneConfig& scene, const FaultChecks& checks = {});
-/// As load_faults for a text; file is what messages call it.
+/// As load_faults for a text.
+/// file: name in messages.
 FaultsResult parse_faults(std::string_view toml, const std::string& file, const SceneConfig& scene,
                           const FaultChecks& checks = {});
 

@@ -18,7 +18,7 @@ Vec3 principal_moments(const BodyConfig& body) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-/// The point of a solid that is farthest from its centre, m.
+/// Returns the largest distance of a solid's points from its centre, m.
 double reach_of(const ShapeConfig& shape) {
   return shape.half_extents.value_or(Vec3::Zero()).norm() + shape.radius.value_or(0) +
          shape.half_length.value_or(0);
@@ -30,7 +30,7 @@ double volume_of(const ShapeConfig& shape) {
   return std::numbers::pi * r * r * (4 * r / 3 + 2 * shape.half_length.value_or(0));
 }
 
-/// Calls f(centre, radius) for each sphere of a row's ends, between which the others are.
+/// Calls f(centre, radius) for the first and the last sphere of each row.
 template <class F>
 void for_ends(const BodyConfig& body, F f) {
   for (const SphereConfig& row : body.spheres) {
@@ -39,7 +39,7 @@ void for_ends(const BodyConfig& body, F f) {
   }
 }
 
-/// R: the point of spheres and shapes that is farthest from the centre of mass, m.
+/// Returns R, the largest distance of spheres and shapes from the centre of mass, m.
 double reach_of(const BodyConfig& body) {
   double R = 0;
   for_ends(body, [&](const Vec3& p_B, double radius) { R = std::max(R, p_B.norm() + radius); });
@@ -47,7 +47,7 @@ double reach_of(const BodyConfig& body) {
   return R;
 }
 
-/// r_g^2 = I_max / m
+/// Returns the radius of gyration: r_g^2 = I_max / m.
 double gyration_of(const BodyConfig& body) {
   return std::sqrt(principal_moments(body).maxCoeff() / body.mass);
 }
@@ -57,14 +57,15 @@ bool gyrates_near(const BodyConfig& body, double R) {
   return r_g >= min_gyration * R && r_g <= max_gyration * R;
 }
 
-/// Semi-axes a_i^2 = 5 (I_j + I_k - I_i) / (2 m); 0 without the triangle inequality, which has a warning of its own.
+/// Returns the volume of the homogeneous ellipsoid with semi-axes a_i^2 = 5 (I_j + I_k - I_i) / (2 m).
+/// Returns 0 without the triangle inequality, of which another check warns.
 double volume_of_ellipsoid(const BodyConfig& body) {
   const Vec3 I = principal_moments(body);
   const Vec3 squares = 5 / (2 * body.mass) * (Vec3::Constant(I.sum()) - 2 * I);
   return squares.minCoeff() <= 0 ? 0 : 4 * std::numbers::pi / 3 * std::sqrt(squares.prod());
 }
 
-/// Bounds of the volume in which a body's mass may be, m^3; 0: unknown.
+/// Bounds of the volume of a body's mass, m^3; 0: unknown.
 struct Volumes {
   double least = 0, most = 0;
 };
@@ -79,7 +80,7 @@ Volumes volumes_of(const BodyConfig& body) {
   });
   const double drawn = std::max(of_shapes, box.isEmpty() ? 0 : box.volume());
   const double R = reach_of(body), r_g = gyration_of(body);
-  const bool is_shaped = of_shapes > 0 && r_g <= R;  // no mass is beyond its shapes
+  const bool is_shaped = of_shapes > 0 && r_g <= R;  // no mass lies beyond its shapes
   if (is_shaped || (R > 0 && !gyrates_near(body, R))) return {drawn, drawn};
   return {.least = std::max(drawn, volume_of_ellipsoid(body)),
           .most = std::max(drawn, 4 * std::numbers::pi / 3 * r_g * r_g * r_g)};

@@ -21,7 +21,8 @@ bool is_path(const std::string& name) {
   return name.find('/') != std::string::npos || name.ends_with(extension);
 }
 
-/// The profile a name or path means, from the scene's folder or the shipped ones; none where there is none.
+/// Finds the profile of a name or path in the scene's folder or among the shipped ones; none if there is
+/// none.
 std::optional<ProfileResult> find_profile(const std::string& name, const fs::path& scene_folder) {
   const std::string file = is_path(name) ? name : name + extension;
   if (const FilePath found = path_below(scene_folder.string(), file); !found.path.empty())
@@ -36,8 +37,8 @@ std::string not_found(const std::string& name, const std::string& scene_folder) 
   const std::vector<std::string> shipped = shipped_profiles();
   std::string known;
   for (const std::string& other : shipped) known += (known.empty() ? "" : ", ") + other;
-  return "profile \"" + name + "\": neither in '" + scene_folder + "' nor shipped; shipped are " + known +
-         "; the nearest is \"" + nearest(name, shipped) + "\"";
+  return "profile \"" + name + "\" was found neither in '" + scene_folder +
+         "' nor among the shipped profiles: " + known + "; the nearest is \"" + nearest(name, shipped) + "\"";
 }
 
 }  // namespace
@@ -71,7 +72,7 @@ ProfileResult load_profile(const std::string& path) {
 RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder,
                                 const std::string& scene_file) {
   RigProfilesResult out;
-  std::set<std::string> told;  // nodes that share a profile share its errors
+  std::set<std::string> reported;  // nodes that share a profile share its errors
   const auto load = [&](const char* kind, const auto& device) -> std::optional<NodeProfile> {
     if (device.profile.empty()) return std::nullopt;
     std::optional<ProfileResult> read = find_profile(device.profile, scene_folder);
@@ -83,7 +84,7 @@ RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_f
       return std::nullopt;
     }
     for (std::string& error : read->errors)
-      if (told.insert(error).second) out.errors.push_back(std::move(error));
+      if (reported.insert(error).second) out.errors.push_back(std::move(error));
     return std::move(read->profile);
   };
   for (const EncoderParams& encoder : rig.encoders) out.profiles.encoders.push_back(load("encoder", encoder));

@@ -12,29 +12,29 @@
 namespace godobject {
 
 struct ProfileResult {
-  std::optional<NodeProfile> profile;  // absent where there are errors
-  std::vector<std::string> errors;     // all of the file's, each "file:line:column: what; what to do"
+  std::optional<NodeProfile> profile;  // absent if there are errors
+  std::vector<std::string> errors;     // all errors of the file, each "file:line:column: text; remedy"
 };
 
-/// file: what messages call it.
+/// file: name in messages.
 ProfileResult parse_profile(std::string_view toml, const std::string& file);
 ProfileResult load_profile(const std::string& path);
 
-/// The keys as Markdown tables, for docs/canopen.md.
+/// Returns the keys as Markdown tables for docs/canopen.md.
 std::string profile_reference_markdown();
 
 struct RigProfilesResult {
   RigProfiles profiles;
-  std::vector<std::string> errors;  // empty: the profiles are there and fit the rig
+  std::vector<std::string> errors;  // empty: the profiles exist and fit the rig
 };
 
-/// The profiles that the rig's encoders and drives name: a path (with a '/' or ending in ".toml", from
-/// scene_folder), or a name, looked for as NAME.toml in scene_folder and then among those shipped.
-/// scene_file: in messages, with the line that names a profile; empty: not in them.
+/// Loads the profiles of the rig's encoders and drives. A name with '/' or ending in ".toml" is a path from
+/// scene_folder. Any other NAME is NAME.toml in scene_folder or among the shipped ones.
+/// scene_file: file name in messages, with the line of the profile's name; empty: omitted.
 RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder,
                                 const std::string& scene_file = "");
 
-/// Names of the shipped profiles.
+/// Returns the names of the shipped profiles.
 std::vector<std::string> shipped_profiles();
 
 }  // namespace godobject

@@ -1,9 +1,5 @@
-// A scene as its file describes it: plain values, SI, validated. platform/scene/toml.cc fills it,
-// platform/engine/engine.cc turns it into a compiled composition of the core.
-//
-// The room: keys/ lists the keys of each table once, for reader, writer and reference; toml.h, profile.h and fault_file.h read
-// files; joint/ and contact/ check what belongs together and turn it into the core's parameters, net/ makes deformable
-// surfaces; mesh/ reads obstacles; text/ is TOML, CSV and messages.
+// A scene as described by its file: plain values, SI, validated. platform/scene/toml.cc fills it;
+// platform/engine/engine.cc selects a compiled composition of the core for it.
 #pragma once
 
 #include <array>
@@ -22,8 +18,8 @@
 
 namespace godobject {
 
-/// (2): F = g e_t' + k e_t, T = g_r e_w + k_r alpha u. Damping given as a ratio is already resolved:
-/// g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+/// Coupling F = g e_t' + k e_t, T = g_r e_w + k_r alpha u (2). Damping ratios are resolved: g = ratio sqrt(m
+/// k), g_r = ratio sqrt(I_max k_r).
 struct CouplingConfig {
   double stiffness = 0;             // k, N/m, >= 0
   double damping = 0;               // g, N s/m, >= 0
@@ -31,23 +27,23 @@ struct CouplingConfig {
   double rotational_damping = 0;    // g_r, N m s/rad, >= 0
 };
 
-/// (8): the same form seen from the device, with its own gains; all zero: no haptics.
+/// Displayed wrench (8), of the same form with gains of its own; all zero: no haptics.
 using FeedbackConfig = CouplingConfig;
 
-/// Bounds of the wrench shown to the hand, and the ramp on engage.
+/// Bounds of the displayed wrench, and the ramp on engaging.
 struct LimitConfig {
   double force = 10;        // N
   double torque = 0.5;      // N m
   double force_rate = 500;  // N/s
   double torque_rate = 25;  // N m/s
-  double ramp = 0.5;        // s from engage to full coupling and feedback; 0: at once
-  double grab_ramp = 0.05;  // the same from taking hold of a body
+  double ramp = 0.5;        // s, from engaging to full coupling and feedback; 0: at once
+  double grab_ramp = 0.05;  // s, from gripping a body to full coupling and feedback
 };
 
 /// Names of DeviceKind in scene files, in its order.
 inline constexpr std::array device_kind_names{"impedance", "non-haptic", "admittance", "relative"};
 
-/// Names of the integrators a scene file or --integrator may ask for.
+/// Names of the integrators in scene files and --integrator.
 inline constexpr std::array integrator_names{"implicit-euler", "tr-bdf2"};
 
 enum class DeviceKind : std::uint8_t {
@@ -57,23 +53,23 @@ enum class DeviceKind : std::uint8_t {
   relative,    // increments in through a clutch
 };
 
-/// What scene files and motions call the body nearest to the device. No body that can be held has this name.
+/// Name of the body nearest to the device in scene files and motions. No body that can be held has this name.
 inline constexpr const char* nearest_body = "nearest";
 
-/// From this time on the device holds a body by its name, nearest_body, or nothing.
+/// From this time on the device holds the named body, nearest_body, or nothing.
 struct HoldConfig {
   double time = 0;   // s
-  std::string body;  // empty: lets go
+  std::string body;  // empty: releases the held body
 };
 
-/// A SpaceMouse, by spacenavd: how far its cap is pushed is how fast the target moves.
+/// A SpaceMouse connected by spacenavd: the deflection of its cap sets the velocity of the target.
 struct SpaceMouseConfig {
-  std::string body;              // name of the coupled body that it leads
+  std::string body;              // name of the coupled body that it moves
   Quat q_WM = Quat::Identity();  // its frame in the world: x to the right, y away from the user, z up
   double max_speed = 0.1;        // m/s, at full scale
   double max_turn_rate = 1;      // rad/s, at full scale
   double full_scale = 350, deadband = 10;  // counts
-  double rate_hz = 60;                     // at which it reports while it is pushed
+  double rate_hz = 60;                     // rate of reports while it is pushed
   int clutch_button = 0, hold_button = 1;  // -1: none
 };
 
@@ -81,10 +77,10 @@ struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
   std::string holds{};                  // name of the body held at the start; empty: none
-  std::optional<double> grab_radius{};  // m from the device to a centre of mass: how far nearest_body reaches
+  std::optional<double> grab_radius{};  // m, reach of nearest_body, from the device to a centre of mass
   LimitConfig limits;
-  std::optional<RigParams> rig;                          // absent: the scene can only run with --bus direct
-  std::optional<KinematicTreeParams> unmeasured_tree{};  // without a rig: joints that only a motion moves
+  std::optional<RigParams> rig;                          // absent: the scene runs only with --bus direct
+  std::optional<KinematicTreeParams> unmeasured_tree{};  // without a rig: joints moved by a motion alone
   PlantConfig plant;
   std::vector<TrackerParams> trackers{};
   std::optional<SpaceMouseConfig> spacemouse{};
@@ -98,20 +94,20 @@ struct BodyConfig {
   Twist V_WB;                              // at t = 0
   std::optional<CouplingConfig> coupling;  // absent: free
   std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
-  std::vector<SphereConfig> spheres{};     // with which it touches what is not of its own tool
-  std::vector<ShapeConfig> shapes{};       // where spheres of other bodies touch it; without: at its spheres
+  std::vector<SphereConfig> spheres{};     // touch solids outside of its own tool
+  std::vector<ShapeConfig> shapes{};  // touched by spheres of other bodies; without shapes its spheres are
 };
 
-/// What joints and messages call the ground. No body has this name.
+/// Name of the ground in joints and messages. No body has this name.
 inline constexpr const char* world_name = "world";
 
 /// Springs at the ends of one coordinate of a joint (19).
 struct StopConfig {
-  std::string coordinate;              // of the joint
-  std::optional<double> lower, upper;  // rad or m; absent: no end there
+  std::string coordinate;              // name of the joint's coordinate
+  std::optional<double> lower, upper;  // rad or m; absent: no stop at that end
   double stiffness = 0;                // N m/rad or N/m, beyond `width`
-  double damping = 0;                  // N m s/rad or N s/m, on the way in
-  double width = 0;                    // rad or m over which both rise, > 0
+  double damping = 0;                  // N m s/rad or N s/m, acting inwards only
+  double width = 0;                    // rad or m over which both rise from zero, > 0
 };
 
 struct JointConfig {
@@ -119,30 +115,31 @@ struct JointConfig {
   JointKind kind = JointKind::hinge;
   std::string parent = world_name;  // name of a body, or world_name
   std::string child;                // name of a body
-  Pose X_BP;  // joint frame on the parent, body axes about its centre of mass; on the world
-  Pose X_BC;  // joint frame on the child, likewise
+  Pose X_BP;  // joint frame on the parent, in body axes about its centre of mass; on the world in the world
+  Pose X_BC;  // joint frame on the child, in body axes about its centre of mass
   std::vector<std::string> coordinates;  // num_coordinates(kind) names: turns, then slides
-  bool imposed = false;                  // the coordinates follow the device's joints of the same names
-  std::vector<StopConfig> stops;         // at most one for each coordinate
+  bool imposed = false;  // true: the coordinates are prescribed by the device's joints of the same names
+  std::vector<StopConfig> stops;  // at most one for each coordinate
 };
 
 /// One coordinate of a built-in motion: offset + amplitude sin(2 pi f t + phase).
 struct CoordinateMotion {
-  std::string coordinate;                                         // of a joint of the device
+  std::string coordinate;                                         // name of a joint of the device
   double offset = 0, amplitude = 0, frequency_hz = 0, phase = 0;  // rad or m, Hz, rad
 };
 
-/// A built-in motion of the target, used where no --motion file is given.
-/// p(t) = p_0 + A sin(2 pi f t + phase) per axis; q(t) = q_0 qz(.) qy(.) qx(.) with the same form per angle.
+/// A built-in motion of the target, used without a --motion file.
+/// p(t) = p_0 + A sin(2 pi f t + phase) per axis; q(t) = q_0 qz(.) qy(.) qx(.) of the same form per angle.
 struct MotionConfig {
   Vec3 amplitude = Vec3::Zero(), frequency_hz = Vec3::Zero(), phase = Vec3::Zero();  // m, Hz, rad
   Vec3 angle_amplitude = Vec3::Zero(), angle_frequency_hz = Vec3::Zero(),
        angle_phase = Vec3::Zero();  // rad (z, y, x)
   Pose X_WD;                        // centre of the motion
-  // Admittance devices, which take the hand's wrench instead of a pose, world axes about the body's origin:
+  // Wrench of the hand for admittance devices, which take no pose, in world axes about the body's origin.
   // f(t) = F sin(2 pi f t + phase), tau(t) = T sin(2 pi f t + phase) per axis (x, y, z).
   Vec3 force_amplitude = Vec3::Zero(), torque_amplitude = Vec3::Zero();  // N, N m
-  // The motion is of the device's joints instead of the target's pose: each handle moves its body. Others rest at zero.
+  // Motions of the device's joints instead of the target's pose: each handle moves its body. Other joints
+  // rest at zero.
   std::vector<CoordinateMotion> joints;
   std::vector<HoldConfig> holds{};  // in the order of time
 };
@@ -151,8 +148,8 @@ struct MotionConfig {
 inline constexpr std::array coupling_names{"god-object", "imposed"};
 
 enum class CouplingMode : std::uint8_t {
-  god_object,  // bodies are pulled to their targets by their couplings
-  imposed,     // bodies are placed at their targets in every step, whatever is in the way
+  god_object,  // couplings pull bodies to their targets
+  imposed,     // bodies are placed at their targets in every step, regardless of contacts
 };
 
 struct SceneConfig {
@@ -164,9 +161,9 @@ struct SceneConfig {
   CouplingMode coupling = CouplingMode::god_object;
   Vec3 gravity = Vec3::Zero();      // m/s^2
   std::vector<BodyConfig> bodies;   // parents before children
-  std::vector<JointConfig> joints;  // a tree: each body is the child of at most one
+  std::vector<JointConfig> joints;  // a tree: each body is the child of at most one joint
   std::vector<NetConfig> nets{};
-  int net_iterations = NetParams<1, 1>{}.max_iterations;  // at most in a stage, for all of them
+  int net_iterations = NetParams<1, 1>{}.max_iterations;  // largest number in a stage, for all nets
   std::vector<ObstacleConfig> obstacles;
   std::vector<ContactConfig> contacts;  // one for every pair of materials that can meet
   std::optional<DeviceConfig> device;   // drives the bodies that have a handle
@@ -175,7 +172,7 @@ struct SceneConfig {
   std::vector<FaultConfig> faults{};  // in the order of time
 };
 
-/// Indices of the bodies that have a target: the coupled ones; without any, the first body where an
+/// Returns the indices of the bodies with a target: the coupled ones; without any, the first body if an
 /// admittance device pushes it. The device drives the first of them.
 inline std::vector<std::size_t> driven_bodies(const SceneConfig& scene) {
   std::vector<std::size_t> driven;
@@ -187,41 +184,41 @@ inline std::vector<std::size_t> driven_bodies(const SceneConfig& scene) {
   return driven;
 }
 
-/// Index of the body of this name; none for world_name or an unknown one.
+/// Returns the index of the body of this name; none for world_name or an unknown name.
 inline std::optional<std::size_t> body_named(const SceneConfig& scene, const std::string& name) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     if (scene.bodies[i].name == name) return i;
   return std::nullopt;
 }
 
-/// The device takes hold of coupled bodies and lets go of them, one at a time; otherwise it is tied to them.
-inline bool takes_hold(const SceneConfig& scene) {
+/// True if the device grips and releases coupled bodies, one at a time; otherwise it is tied to them.
+inline bool grips_bodies(const SceneConfig& scene) {
   return scene.device && (!scene.device->holds.empty() || scene.device->grab_radius ||
                           (scene.motion && !scene.motion->holds.empty()));
 }
 
-/// What a motion moves, and what its columns are called by: the driven bodies; the device, where that takes
-/// hold of bodies.
+/// Returns the names of motion columns: the driven bodies; the device if it grips bodies.
 inline std::vector<std::string> motion_targets(const SceneConfig& scene) {
-  if (takes_hold(scene)) return {scene.device->name};
+  if (grips_bodies(scene)) return {scene.device->name};
   std::vector<std::string> names;
   for (const std::size_t body : driven_bodies(scene)) names.push_back(scene.bodies[body].name);
   return names;
 }
 
-/// Joints and handles of the device, measured by its rig or moved by a motion alone; null without any.
+/// Returns joints and handles of the device, measured by its rig or moved by a motion alone; null if there
+/// are none.
 inline const KinematicTreeParams* device_tree(const SceneConfig& scene) {
   if (!scene.device) return nullptr;
   if (scene.device->rig) return &scene.device->rig->tree;
   return scene.device->unmeasured_tree ? &*scene.device->unmeasured_tree : nullptr;
 }
 
-/// For each handle of the device, in order: which of motion_targets() it is, if any.
+/// Returns for each handle of the device its index in motion_targets(), if any.
 inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConfig& scene) {
   std::vector<std::optional<std::size_t>> by_handle;
   const KinematicTreeParams* const tree = device_tree(scene);
   if (tree == nullptr) return by_handle;
-  if (takes_hold(scene)) return {0};
+  if (grips_bodies(scene)) return {0};
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const HandleParams& handle : tree->handles) {
     by_handle.emplace_back();
@@ -231,21 +228,21 @@ inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConf
   return by_handle;
 }
 
-/// What the hand feels of such a device is the torque of its drives.
+/// True if a device of this kind displays force, by the torque of its drives.
 constexpr bool shows_force(DeviceKind kind) noexcept {
   return kind == DeviceKind::impedance || kind == DeviceKind::relative;
 }
 
-/// The rig of the scene's device, with a SYNC in each of the scene's steps.
+/// Returns the rig of the scene's device, with a SYNC in each step of the scene.
 inline RigParams rig_of(const SceneConfig& scene) {
   RigParams rig = *scene.device->rig;
   rig.cycle_s = scene.step;
   return rig;
 }
 
-/// Which of motion_targets() a tracker's tool is.
+/// Returns the index in motion_targets() of a tracker's tool.
 inline std::size_t driven_by_tool(const SceneConfig& scene, const TrackedToolParams& tool) {
-  if (takes_hold(scene)) return 0;
+  if (grips_bodies(scene)) return 0;
   const std::vector<std::size_t> driven = driven_bodies(scene);
   std::size_t i = 0;
   while (i < driven.size() && scene.bodies[driven[i]].name != tool.body) ++i;

@@ -9,8 +9,8 @@
 namespace godobject {
 namespace {
 
-/// TR-BDF2 where it is of second order; among bodies that touch each other nearly every step has a contact that comes or
-/// goes, and is of first order (docs/decisions/046-default-integrator.md).
+/// Returns TR-BDF2 where it is of second order. Among bodies that touch each other nearly every step is of
+/// first order, because a contact becomes active or inactive (docs/decisions/046-default-integrator.md).
 std::string default_integrator(const SceneConfig& scene) {
   return contact_scope(scene) == ContactScope::bodies ? "implicit-euler" : "tr-bdf2";
 }
@@ -22,7 +22,7 @@ LoadResult parse_scene(std::string_view toml, const std::string& file, const Fau
   const std::optional<toml::table> parsed = parse_toml(toml, log);
   if (!parsed) return {std::nullopt, log.errors(), {}};
   SceneConfig scene;
-  scene.integrator.clear();  // until it is known what the scene has
+  scene.integrator.clear();  // set once the scene's contacts are known
   TomlReader reader(*parsed, "", "the file", log);
   visit_scene(reader, scene, checks);
   reader.finish();

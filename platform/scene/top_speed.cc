@@ -16,10 +16,12 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t max_rays = 2000;
-/// Share of the half thickness of the thinner box, see the header. tests/core/contact/test_tunnelling.cc; decision 042.
+/// Share of the half thickness of the thinner box, see top_speed.h, tests/core/contact/test_tunnelling.cc and
+/// decision 042.
 constexpr double held_in_a_step = 0.3;
 
-/// Way along the unit vector d from p to the triangle, if it is hit (Moeller, Trumbore 1997); else infinite.
+/// Returns the distance from p along the unit vector d to the triangle (Moeller, Trumbore 1997); infinite if
+/// it is missed.
 double way_to(const Vec3& p, const Vec3& d, const Corners& t) {
   const Vec3 a = t[1] - t[0], b = t[2] - t[0], q = d.cross(b), o = p - t[0];
   const double det = a.dot(q);
@@ -27,7 +29,7 @@ double way_to(const Vec3& p, const Vec3& d, const Corners& t) {
   return u >= 0 && v >= 0 && u + v <= 1 && way > 0 ? way : infinite;
 }
 
-/// T for a sphere of radius r.
+/// Returns T for a sphere of radius r.
 double half_thickness(const ShapeParams& shape, double r) {
   switch (shape.kind) {
     case ShapeKind::box: return shape.half_extents.minCoeff();
@@ -41,7 +43,7 @@ double half_thickness(const ShapeParams& shape, double r) {
   }
 }
 
-/// Per body: what its tool has.
+/// Mass and coupling stiffness of a body's tool.
 struct ToolSums {
   double mass = 0, k_c = 0;  // kg, N/m
 };
@@ -96,11 +98,11 @@ class Search {
          "sphere of body '" + scene_.bodies[other.body].name + "'");
   }
 
-  /// Whose edges cross.
+  /// Bounds the speed of two boxes, whose edges cross.
   void of_boxes(const Surface& a, const Surface& b) {
     if (a.shape.kind != ShapeKind::box || b.shape.kind != ShapeKind::box || tools_[a.body] == tools_[b.body])
       return;
-    if (imposed(a.body) && imposed(b.body)) return;
+    if (is_prescribed(a.body) && is_prescribed(b.body)) return;
     const double T = std::min(a.shape.half_extents.minCoeff(), b.shape.half_extents.minCoeff());
     const Springs springs = springs_between(a.body, b.body, contacts_.laws[a.material][b.material].k);
     keep({.what =
@@ -110,25 +112,25 @@ class Search {
           .hand = springs.hand_within(sunk_depth * T)});
   }
 
-  /// True if a body may touch a surface, and not an obstacle that its shapes meet by its spheres alone.
+  /// True if a body may touch a surface, except an obstacle that its shapes touch only with spheres.
   bool meets(std::size_t body, const Surface& surface) const {
     if (surface.body == world) return meets_obstacle(covers_[body], surface.shape.kind);
     return tools_[surface.body] != tools_[body];
   }
 
-  /// Placed at its target, whatever is in the way.
-  bool imposed(std::size_t body) const {
+  /// True if the body is placed at its target, regardless of contacts.
+  bool is_prescribed(std::size_t body) const {
     return scene_.coupling == CouplingMode::imposed && sums_[body].k_c > 0;
   }
 
   /// A contact of two tools, or of a tool and the world, and the couplings that press it.
   struct Springs {
     double k = 0, mass = 0, k_c = 0;  // N/m; kg; N/m, infinite for a body placed at its target
-    /// Speed that the contact stops within a depth.
+    /// Returns the speed that the contact stops within a depth.
     double speed_within(double depth) const {
       return k_c < infinite ? depth * std::sqrt(k / mass) : infinite;
     }
-    /// How far beyond the surface a hand may lead a tool that is to stay within a depth.
+    /// Returns the distance beyond the surface to which a hand may pull a tool that stays within a depth.
     double hand_within(double depth) const {
       return k_c > 0 && k_c < infinite ? depth * (1 + k / k_c) : infinite;
     }
@@ -139,14 +141,14 @@ class Search {
       springs.mass = springs.mass * sums_[other].mass / (springs.mass + sums_[other].mass);
       springs.k_c = std::max(springs.k_c, sums_[other].k_c);
     }
-    if (imposed(body) || (other != world && imposed(other))) springs.k_c = infinite;
+    if (is_prescribed(body) || (other != world && is_prescribed(other))) springs.k_c = infinite;
     return springs;
   }
 
-  /// Nothing stops an imposed body: obstacles let it through at any speed, and what it can push aside it must
-  /// meet in some step.
-  void take_imposed(const BodySphere& sphere, std::size_t other, double depth, const std::string& name) {
-    if (other == world || (imposed(sphere.body) && imposed(other))) return;
+  /// Bounds the travel of a prescribed body, which nothing stops. It passes obstacles at any speed, but must
+  /// touch a movable body in some step.
+  void take_prescribed(const BodySphere& sphere, std::size_t other, double depth, const std::string& name) {
+    if (other == world || (is_prescribed(sphere.body) && is_prescribed(other))) return;
     keep({.what = what(sphere, name), .travel = depth / scene_.step, .energy = infinite, .hand = infinite});
   }
 
@@ -161,8 +163,8 @@ class Search {
   void take(const BodySphere& sphere, MaterialId material, std::size_t other, double T,
             const std::string& name) {
     const double k = contacts_.laws[sphere.material][material].k, depth = sphere.radius + T;
-    if (imposed(sphere.body) || (other != world && imposed(other)))
-      return take_imposed(sphere, other, depth, name);
+    if (is_prescribed(sphere.body) || (other != world && is_prescribed(other)))
+      return take_prescribed(sphere, other, depth, name);
     const Springs springs = springs_between(sphere.body, other, k);
     keep({.what = what(sphere, name),
           .travel = depth / scene_.step,
@@ -174,7 +176,7 @@ class Search {
   SceneContacts contacts_;
   std::vector<std::size_t> tools_;
   std::vector<ToolSums> sums_;
-  std::vector<ShapeCover> covers_;  // of each body
+  std::vector<ShapeCover> covers_;  // cover of each body
   std::vector<std::pair<const TriangleMesh*, double>> thinnest_;
   std::optional<SpeedBound> slowest_;
 };
@@ -200,11 +202,9 @@ double thinnest(const MeshData& mesh) {
 
 const char* what_does_not_pass(const SceneConfig& scene) {
   const bool nets = !scene.nets.empty();
-  if (spheres_alone(scene).empty())
-    return nets ? "nothing but nodes of nets, of which it does not say," : "nothing";
-  return nets ? "nothing but nodes of nets and shapes that meet others by their spheres alone, of which it "
-                "does not say,"
-              : "nothing but shapes that meet others by their spheres alone, of which it does not say,";
+  if (spheres_alone(scene).empty()) return nets ? "nothing (nodes of nets excepted)" : "nothing";
+  return nets ? "nothing (nodes of nets and shapes that touch others only with spheres excepted)"
+              : "nothing (shapes that touch others only with spheres excepted)";
 }
 
 std::string top_speed_text(const SceneConfig& scene) {
@@ -212,14 +212,14 @@ std::string top_speed_text(const SceneConfig& scene) {
   if (!bound) {
     const std::vector<SpheresAlone> alone = spheres_alone(scene);
     if (alone.empty()) return "";
-    return "none is promised: the shape of body '" + alone[0].body + "' meets " + alone[0].other +
-           " by its spheres alone";
+    return "not bounded: the shape of body '" + alone[0].body + "' touches " + alone[0].other +
+           " only with its spheres";
   }
-  if (std::isinf(bound->top())) return "no limit: what is touched are planes, which have no other side";
+  if (std::isinf(bound->top())) return "no limit: only planes can be touched, and they have no other side";
   std::array<char, 32> top{};
   std::snprintf(top.data(), top.size(), "%.3g", bound->top());
-  return std::string(top.data()) + " m/s: up to it " + what_does_not_pass(scene) + " passes anything, " +
-         bound->what;
+  return std::string(top.data()) + " m/s: up to this speed " + what_does_not_pass(scene) +
+         " passes through a solid, " + bound->what;
 }
 
 std::optional<SpeedBound> top_speed(const SceneConfig& scene) {

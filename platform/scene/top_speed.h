@@ -1,30 +1,32 @@
-// Up to which speed the contacts of a scene let nothing pass.
+// Speed up to which the contacts of a scene let nothing pass.
 //
-// A sphere of radius r meets a solid that is 2 T thick at its thinnest: half a box's shortest edge, the radius
-// of a sphere or capsule; of a mesh at most as far as a query reaches inside; nothing limits a plane. Once its
-// centre is beyond the middle, the nearest surface is the one behind, and the contact pushes it out there. So
+// A sphere of radius r touches a solid that is 2 T thick at its thinnest. T is half a box's shortest edge, or
+// the radius of a sphere or capsule. For a mesh it is at most the reach of a query inside; for a plane it is
+// infinite. Beyond the middle the nearest surface is the far one, where the contact pushes the sphere out. So
 //
-//   travel:  a contact is found if the centre ends a step within (-T, r) of the surface, which steps of h v
-//            cannot leave out while                                             h v < r + T
-// (what is swept on its way holds above that, decision 042: spheres against obstacles, and against boxes of bodies)
+//   travel:  a contact is found if the centre ends a step within (-T, r) of the surface.
+//            Steps of h v cannot skip this range if                                  h v < r + T
+//   energy:  the tool's m v^2 / 2 is absorbed by one contact below the depth r + T: v < (r + T) sqrt(k / m)
 //
-//   energy:  the tool's m v^2 / 2 goes into one contact before its depth is r + T: v < (r + T) sqrt(k / m)
+// Swept contacts hold at higher travels too: spheres against obstacles, and against boxes of bodies (decision
+// 042).
 //
-// Edges of boxes on two bodies cross where no sphere is, and are sought where a step is predicted to end. Spheres
-// are swept, so that a box leaves another by the face through which it came in. Boxes that are T / 2 deep in each
-// other along every axis have no way back. Measured, pairs are held, to the points that move fastest, while
+// Edges of boxes on two bodies cross without spheres, and are searched at the predicted end of a step.
+// Spheres are swept, so that a box leaves another by its face of entry. Boxes T / 2 deep in each other along
+// every axis cannot return. Measured with the fastest points of the boxes, pairs hold if
 //
 //   boxes:   h v < 0.3 T,  v < (T / 2) sqrt(k / m)
 //
-// m: of the whole tool, and with another tool m_1 m_2 / (m_1 + m_2); k: of one sphere, damping left out. What
-// goes on pushing is not in this: a hand that follows x_H deep is held as long as its coupling k_c balances the
-// contact at less than r + T, x_H < (r + T) (1 + k / k_c). A body placed at its target by coupling = "imposed" is
-// stopped by nothing: of it only the travel counts, and only against bodies that it can push.
+// m: mass of the whole tool, with another tool m_1 m_2 / (m_1 + m_2).
+// k: stiffness of one sphere's contact, without damping.
 //
-// Shapes that meet others by the spheres of their body alone are not in it: contact/spheres_alone.h.
+// A hand that keeps pushing has a bound of its own. Its target x_H deep is held if the coupling k_c balances
+// the contact at less than r + T: x_H < (r + T) (1 + k / k_c). A prescribed body, placed at its target
+// in every step, is stopped by nothing. Only the travel bounds it, and only against bodies that it can push.
 //
-// Nodes of nets are not in it. Obstacles stop them on their way, as fast as they may be, but the carrier and the other nodes go on
-// pulling by springs, and how hard depends on how far the whole net is deformed.
+// Not included: shapes that touch others only with spheres (contact/spheres_alone.h), and nodes of nets.
+// Obstacles stop nodes at any speed. But the carrier and other nodes pull them on by springs, with a force
+// that depends on the deformation of the whole net.
 #pragma once
 
 #include <optional>
@@ -34,7 +36,7 @@
 
 namespace godobject {
 
-/// The speeds up to which one sphere and what it may pass, or two boxes, are held. Infinite where nothing limits them.
+/// Speeds up to which a sphere and its opposite solid, or two boxes, hold. Infinite without a bound.
 struct SpeedBound {
   std::string what;   // "sphere of body 'tool' and obstacle 'wall'", "boxes of bodies 'a' and 'b'"
   double travel = 0;  // m/s
@@ -43,19 +45,19 @@ struct SpeedBound {
   double top() const { return travel < energy ? travel : energy; }
 };
 
-/// Bound of the pair with the lowest top speed; none without contacts, or where nothing is promised.
+/// Returns the bound of the pair with the lowest top speed; none without contacts, or if there is no bound.
 std::optional<SpeedBound> top_speed(const SceneConfig& scene);
 
-/// Subject of "... passes anything": nets and shapes that the bound leaves out are named.
+/// Returns the subject of "... passes through a solid", with the nets and shapes that the bound excludes.
 const char* what_does_not_pass(const SceneConfig& scene);
 
-/// Returns the bound in a line: "1.5 m/s: up to it nothing passes anything, ...", or that there is no limit or
-/// no promise. Empty where nothing may touch.
+/// Returns the bound as a line: "1.5 m/s: up to this speed nothing passes through a solid, ...", or that it
+/// is infinite or missing. Empty if nothing can touch.
 std::string top_speed_text(const SceneConfig& scene);
 
-/// The shortest way through the solid along inward normals, sampled at up to 2000 of its triangles, m.
+/// Returns the shortest distance through the solid along inward normals, sampled at up to 2000 triangles, m.
 double thinnest(const MeshData& mesh);
 
-inline constexpr double advised_top_speed = 2;  // m/s: so fast is a hand
+inline constexpr double advised_top_speed = 2;  // m/s, speed of a fast hand
 
 }  // namespace godobject

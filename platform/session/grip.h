@@ -1,4 +1,4 @@
-// A device that takes hold of bodies: which one it holds, and what the hand feels of it.
+// Grip of a device that can hold one body at a time: selects the held body and computes the displayed wrench.
 #pragma once
 
 #include <optional>
@@ -12,26 +12,28 @@ namespace godobject {
 
 class Grip {
  public:
-  /// takes_hold(scene) must be true. Allocates; nothing later does.
+  /// Allocates; the other functions do not. scene: must fulfil grips_bodies(scene).
   explicit Grip(const SceneConfig& scene);
 
-  /// Decides what is held from now on. A wish counts when it changes, and so does the button: pressed it
-  /// takes hold of the nearest body, let go it lets go. The nearest body is that at the end of the last step
-  /// whose centre of mass is nearest to the device, within grab_radius; where there is none the device holds
-  /// nothing until asked again.
+  /// Selects the held body for the coming step. Only changes of the wish and of the button count.
+  /// A press of the button grips the nearest body, its release releases it.
+  /// The nearest body has its centre of mass nearest to the device after the last step, within grab_radius.
+  /// Without one the device holds nothing until the next change.
+  /// p_WD: position of the device, world, m.
   void update(const HoldWish& wish, bool button, const Vec3& p_WD, const Engine& engine) noexcept;
 
-  /// The device's own button goes down: what is held is let go; where nothing is, the nearest body is taken.
+  /// Toggles the grip, for the device's own button: releases the held body, or grips the nearest if none is
+  /// held.
   void press(const Vec3& p_WD, const Engine& engine) noexcept;
 
-  /// Index of the held body in the scene.
+  /// Index of the held body in the scene; none if nothing is held.
   std::optional<std::size_t> body() const noexcept { return body_; }
   bool holds(std::size_t body) const noexcept { return body_ == body; }
 
-  /// To be called once a step: the held body's feedback as a wrench on the hand, about the device's origin,
-  /// world axes; zero while nothing is held. Within the scene's limits of size and rate, whatever is taken or
-  /// let go.
-  /// During a gap in the samples the lever is that of the last one.
+  /// Computes the wrench of the held body's feedback on the hand, about the device's origin, in world axes.
+  /// Zero while nothing is held. Call it once a step.
+  /// Keeps the scene's limits of magnitude and rate also across gripping and releasing. During a gap in the
+  /// samples the lever arm stays that of the last valid sample.
   Wrench feel(const BodySample& device, const Engine& engine, Limited& limited) noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// Coordinates of a scene's joints from the poses of its bodies, for records.
+// Coordinates of a scene's joints, computed from the poses of its bodies, for records.
 #pragma once
 
 #include <span>
@@ -14,8 +14,9 @@ class JointCoordinatesOf {
 
   /// Number of coordinates of all joints: see num_coordinates().
   std::size_t size() const noexcept { return size_; }
-  /// Writes the coordinates of all joints, turns within half a turn of those before. Real-time.
-  /// bodies: all of the scene's. q: size() numbers, in: those before.
+  /// Writes the coordinates of all joints. Angles are unwrapped: within half a turn of the previous ones.
+  /// Real-time.
+  /// bodies: all bodies of the scene. q: size() numbers; on entry the previous coordinates.
   void read(std::span<const BodyView> bodies, std::span<double> q) const noexcept;
 
  private:

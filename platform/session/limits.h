@@ -1,4 +1,4 @@
-// The limits of a run: bounds that are reached on purpose, of the core, of the loop and of the drives.
+// Limits of a run: intended bounds of the core, the loop and the drives.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace godobject {
 
 struct RunLimit {
   std::string_view name;                           // in the summary, the report and the view
-  bool (*is_active)(const CycleRecord&) noexcept;  // true if it bounded something in this cycle
-  std::string_view remedy;                         // for a run in which it is active often; empty: no warning
+  bool (*is_active)(const CycleRecord&) noexcept;  // true if the limit was active in this cycle
+  std::string_view remedy;  // for a run in which the limit is often active; empty: no warning
 };
 
 template <Limited bit>
@@ -25,7 +25,7 @@ bool drives_limited(const CycleRecord& record) noexcept {
   return record.drives.*drives != 0;
 }
 
-/// The one list of limits: statistics, report, summary and view take names, order and remedies from here.
+/// List of all limits: statistics, report, summary and view take names, order and remedies from here.
 inline constexpr std::array run_limits{
     RunLimit{"force", core_limited<Limited::force>,
              "lower the feedback's stiffness, or raise [device.limits] force as far as the device and the "

@@ -15,29 +15,30 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-constexpr double stable_growth = 1 + 1e-6;  // a mass that nothing moves neither grows nor decays, to rounding
+constexpr double stable_growth = 1 + 1e-6;  // 1 plus rounding: a free mass neither grows nor decays
 
-/// exp(A): Taylor's series of a matrix small enough for two terms, squared back.
+/// Computes exp(A) by scaling and squaring, with two terms of the Taylor series.
 Matrix exponential(Matrix A) {
   const int halvings = std::max(0, std::ilogb(A.norm()) + 16);
   A /= std::exp2(halvings);
-  Matrix E = A + A * A / 2;  // exp(A) - 1, so that nothing small is lost
+  Matrix E = A + A * A / 2;  // exp(A) - 1, which keeps small terms
   for (int i = 0; i < halvings; ++i) E = 2 * E + E * E;
   return Matrix::Identity(A.rows(), A.cols()) + E;
 }
 
-/// What the wrench of one handle makes of the joints' motion, J^T G J.
+/// Returns a handle's gains in joint coordinates, J^T G J.
 Matrix at_joints(const HandleJacobian& J, double rotational, double translational) {
   Eigen::Vector<double, 6> gains;
   gains << Vec3::Constant(rotational), Vec3::Constant(translational);
   return J.transpose() * gains.asDiagonal() * J;
 }
 
-/// What the handle shows at most: of a device that takes hold of bodies, the most that any of them does.
+/// Returns the largest gains that the handle can display. A device that grips bodies displays the largest
+/// gains of any body.
 FeedbackConfig shown_at(const SceneConfig& scene, const HandleParams& handle) {
   FeedbackConfig most;
   for (const BodyConfig& body : scene.bodies) {
-    if (!body.feedback || (!takes_hold(scene) && body.name != handle.body)) continue;
+    if (!body.feedback || (!grips_bodies(scene) && body.name != handle.body)) continue;
     most.stiffness = std::max(most.stiffness, body.feedback->stiffness);
     most.damping = std::max(most.damping, body.feedback->damping);
     most.rotational_stiffness = std::max(most.rotational_stiffness, body.feedback->rotational_stiffness);
@@ -46,15 +47,16 @@ FeedbackConfig shown_at(const SceneConfig& scene, const HandleParams& handle) {
   return most;
 }
 
-/// A command goes into effect with the SYNC after the one that sampled, or, without SYNC, within a period. A
-/// drive that measures its joint at every n-th SYNC only has its sample used for n periods.
+/// Returns the periods from a sample to its torque. A command takes effect at the SYNC after the sampling
+/// one, or, without SYNC, within a period.
+/// A drive that measures its joint only at every n-th SYNC has its sample used for n periods.
 int delay_of(const RigParams& rig, const DriveParams& drive) {
   const bool own_sensor =
       std::ranges::none_of(rig.encoders, [&](const EncoderParams& e) { return e.joint == drive.joint; });
   return 1 + (own_sensor ? drive.status_every_nth_sync - 1 : 0);
 }
 
-/// Largest eigenvalue of N measured by the joints' own damping: passive up to 1.
+/// Returns the largest eigenvalue of N scaled by the joints' own damping; up to 1 the joints are passive.
 double largest_share(const Matrix& needed, const Eigen::VectorXd& damping) {
   if (needed.isZero(0)) return 0;
   if (!(damping.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
@@ -72,14 +74,14 @@ std::string formatted(const char* format, Args... args) {
 
 const char* damping_unit(const JointMargin& joint) { return joint.hinge ? "N m s/rad" : "N s/m"; }
 
-/// What to lower, and to what share of what it is.
+/// Returns the gain to lower, and the percentage that remains.
 std::string remedy(const SampledAxis& axis) {
   const double of_spring = axis.needed() - std::abs(axis.B);
   const double left = axis.damping - of_spring;
   if (left > 0 || of_spring == 0)
-    return formatted("lower the feedback's damping to %.3g %% of what it is",
+    return formatted("lower the feedback's damping to %.3g %% of its present value",
                      std::floor(1000 * std::max(left, 0.0) / std::abs(axis.B)) / 10);
-  return formatted("set the feedback's damping to 0 and lower its stiffness to %.3g %% of what it is",
+  return formatted("set the feedback's damping to 0 and lower its stiffness to %.3g %% of its present value",
                    std::floor(1000 * axis.damping / of_spring) / 10);
 }
 
@@ -87,7 +89,7 @@ std::string remedy(const SampledAxis& axis) {
 
 double SampledAxis::needed() const noexcept { return K * period_s * (0.5 + delay) + std::abs(B); }
 
-// State: q_k, q'_k, q_(k-1), and the torques u_(k-1) ... u_(k-delay) that are on their way.
+// State: q_k, q'_k, q_(k-1), and the pending torques u_(k-1) ... u_(k-delay).
 double growth_per_period(const SampledAxis& axis, double hand_stiffness, double hand_damping) {
   const double T = axis.period_s, m = axis.inertia;
   Matrix A = Matrix::Zero(3, 3);  // of q, q', u over a period
@@ -98,7 +100,7 @@ double growth_per_period(const SampledAxis& axis, double hand_stiffness, double 
   const Matrix E = exponential(A);
 
   const Eigen::Index n = 3 + axis.delay;
-  Matrix u_k = Matrix::Zero(1, n);  // the torque that sample k asks for
+  Matrix u_k = Matrix::Zero(1, n);  // torque commanded from sample k
   u_k(0, 0) = -axis.K - axis.B / T;
   u_k(0, 2) = axis.B / T;
   Matrix applied = Matrix::Zero(1, n);
@@ -114,8 +116,8 @@ double growth_per_period(const SampledAxis& axis, double hand_stiffness, double 
   return Eigen::EigenSolver<Matrix>(step, false).eigenvalues().cwiseAbs().maxCoeff();
 }
 
-// Where z^(d+1) (z - 1) + beta (z + 1) / 2, beta = B T / m, has a root on the unit circle: there
-// z = exp(i a) with a (d + 1) = pi/2 (odd), i.e. a = pi / (2 (d + 1)), and beta = 2 tan(a / 2).
+// Root of z^(d+1) (z - 1) + beta (z + 1) / 2 on the unit circle, beta = B T / m. There z = exp(i a) with a (d
+// + 1) = pi/2 (odd), i.e. a = pi / (2 (d + 1)), and beta = 2 tan(a / 2).
 double largest_stable_damping(double inertia, double period_s, int delay) {
   const double a = std::numbers::pi / (2 * (delay + 1));
   return 2 * std::tan(a / 2) * inertia / period_s;
@@ -195,16 +197,15 @@ std::vector<std::string> passivity_table(const Passivity& passivity) {
                               axis.margin(), verdict));
   }
   if (passivity.joints.size() > 1)
-    lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the damping there is",
+    lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the present damping",
                               passivity.worst_direction));
   lines.push_back(
       "#   K, B: the feedback's gains at the joint, N m/rad and N m s/rad, of a slider N/m and N s/m; t_d: "
       "from "
       "a sample to its torque");
   lines.push_back(
-      "#   b: what [device.plant] says of the device without a hand. For one that exists, measure it and "
-      "state "
-      "it there");
+      "#   b: damping of the device without a hand, from [device.plant]; of a real device, measure it and "
+      "enter it there");
   return lines;
 }
 
@@ -218,14 +219,14 @@ std::vector<std::string> passivity_warnings(const Passivity& passivity) {
                        remedy(axis) + ", shorten the step, or build it with more damping";
     if (!joint.stable_alone)
       line += formatted("; %s it is unstable and chatters (feedback damping alone: from %.3g %s on)",
-                        joint.stable_held ? "let go of," : "even in a hand",
+                        joint.stable_held ? "released" : "even in a hand",
                         largest_stable_damping(axis.inertia, axis.period_s, axis.delay), damping_unit(joint));
     lines.push_back(std::move(line));
   }
   if (lines.empty() && !passivity.passive())
     lines.push_back(
         formatted("the axes are passive one by one, but not together: the worst direction needs "
-                  "%.3g times the damping there is: lower the feedback's gains by that",
+                  "%.3g times the present damping: divide the feedback's gains by that",
                   passivity.worst_direction));
   return lines;
 }

@@ -19,20 +19,21 @@ void Session::cycle(CycleRecord& record) noexcept {
   observe(record);
 }
 
-/// What the devices know of the hand.
+/// Reads the samples of the devices.
 void Session::read() noexcept {
   Period& period = phases_.begin(motion_time());
-  for (BodySample& sample : samples_) sample.valid = true;  // also of bodies of which no device speaks
+  for (BodySample& sample : samples_) sample.valid = true;  // also of bodies without a device
   for (HandDevice* const device : phases_.devices()) device->read(period, samples_);
 }
 
-/// What of it counts: one body at a time is held, what was let go is engaged anew, gaps are gaps.
+/// Validates the samples: selects the held body, disengages after restart(), marks missed periods and holds
+/// as invalid.
 void Session::check() noexcept {
-  if (grip_) take_hold();
+  if (grip_) update_grip();
   for (const std::size_t body : driven_)
-    if (let_go_) samples_[body].engaged = false;
+    if (disengages_) samples_[body].engaged = false;
   if (real_) pass_missed_time();
-  let_go_ = false;
+  disengages_ = false;
   if (!on_hold_ && !deadlines_missed_) return;
   for (BodySample& sample : samples_) sample.valid = false;
 }
@@ -50,14 +51,14 @@ void Session::step(CycleRecord& record) noexcept {
   for (HandDevice* const device : phases_.devices()) device->tell(RunTrouble::energy_gained);
 }
 
-/// What the hand feels: of a body that it has taken hold of the wrench that all of them stand for, of bodies that are tied to a
-/// handle each its own, which the step has limited.
+/// Computes the wrench to display: the gripped body's wrench at the device's origin, else each body's own,
+/// which the step has limited.
 void Session::limit(CycleRecord& record) noexcept {
   if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()], *engine_, record.limited);
   for (const std::size_t body : driven_) F_hand_W_[body] = grip_ ? record.hand_W : engine_->feedback(body);
 }
 
-/// The devices show it. What is shown is watched for swinging between its bounds.
+/// Commands the devices to display the wrenches, and watches these for oscillation between their bounds.
 void Session::command(CycleRecord& record) noexcept {
   Shown shown;
   const std::size_t num_wrenches = grip_ ? 1 : driven_.size();
@@ -93,7 +94,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   if (truth_) truth_->measure(followed_now, record);
 }
 
-/// Writes what the devices gave and got, in a record that has the room.
+/// Writes the devices' samples, joint coordinates and torques, as far as the record has space.
 void Session::observe_device(CycleRecord& record) const noexcept {
   record.t_bus_ns = bus_time_ns();
   record.motion_start_ns = motion_start_ns_;
@@ -116,7 +117,7 @@ void Session::observe_device(CycleRecord& record) const noexcept {
     record.drive_torque[i] = rig_ ? rig_->rig().commanded_torque_Nm(i) : 0;
 }
 
-/// The driven bodies; of those that can be held the one that is.
+/// Returns the driven bodies; for a device that grips bodies only the held one.
 std::span<const std::size_t> Session::followed() const noexcept {
   if (!grip_) return driven_;
   if (!grip_->body()) return {};
@@ -124,8 +125,9 @@ std::span<const std::size_t> Session::followed() const noexcept {
       static_cast<std::size_t>(std::ranges::find(driven_, *grip_->body()) - driven_.begin()), 1);
 }
 
-/// All that can be held get the device's sample; engaged for the one that is.
-void Session::take_hold() noexcept {
+/// Selects the held body. All bodies that can be held receive the device's sample; only the held one is
+/// engaged.
+void Session::update_grip() noexcept {
   const BodySample device = samples_[driven_.front()];
   const double t = phases_.period().t;
   const bool has_button = std::ranges::any_of(phases_.devices(), &HandDevice::has_hold_button);
@@ -141,17 +143,17 @@ void Session::take_hold() noexcept {
   }
 }
 
-/// Periods that the loop has left out are a gap in the samples. The motion of a simulated device has none: it goes on by
-/// the step.
+/// Reports periods that the loop left out to the engine as a gap in the samples. A simulated device has no
+/// gap, because its time advances by the step.
 void Session::pass_missed_time() noexcept {
-  if (let_go_ || cycle_ == 1) return;
+  if (disengages_ || cycle_ == 1) return;
   const Period& period = phases_.period();
   const double periods = 1e-9 * static_cast<double>(period.began - period.began_before) / scene_.step;
   const double missed = std::floor(periods - 0.5);
   if (missed >= 1) engine_->pass_time(missed * scene_.step);
 }
 
-// --- from the first period to the last -------------------------------------------------------------------------------
+// --- from the first period to the last --------------------------------------------------------------
 
 bool Session::advance(CycleRecord& record) noexcept {
   if (phase() == RunPhase::running) {
@@ -187,7 +189,7 @@ void Session::restart() {
   on_hold_ = deadlines_missed_ = false;
   if (!phases_.makes_torque()) return;
   swings_->reset();
-  let_go_ = true;
+  disengages_ = true;
 }
 
 CycleRecord Session::at_start() const {

@@ -1,4 +1,4 @@
-// Session: what it is made of, and the complaints about what cannot be.
+// Session: construction and validation.
 #include <algorithm>
 
 #include "platform/session/session.h"
@@ -6,9 +6,9 @@
 namespace godobject {
 namespace {
 
-/// A joint that is to be led needs the device's joints, which a motion of poses does not have.
-void check_imposed_joints(const SceneConfig& scene, const Motion& motion, bool real,
-                          std::vector<std::string>& errors) {
+/// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
+void check_prescribed_joints(const SceneConfig& scene, const Motion& motion, bool real,
+                             std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
   for (const JointConfig& joint : scene.joints)
     if (joint.imposed)
@@ -48,17 +48,17 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts
 Session::Made Session::build(const SceneConfig& scene, Motion motion, DeviceParts* device) {
   Made made;
   const bool real = device != nullptr && !device->truth;
-  check_imposed_joints(scene, motion, real, made.errors);
+  check_prescribed_joints(scene, motion, real, made.errors);
   if (!made.errors.empty()) return made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
   s->real_ = real;
   for (std::size_t i = 0; i < s->driven_.size(); ++i)
     s->samples_[s->driven_[i]] = s->handed_.sample(std::min(i, s->motion_.num_bodies() - 1), 0);
-  if (takes_hold(scene)) {
+  if (grips_bodies(scene)) {
     s->grip_.emplace(scene);
     for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
   }
-  s->handed_.lead_joints(0, s->samples_);
+  s->handed_.write_joints(0, s->samples_);
   if (device != nullptr && !s->driven_.empty()) s->connect(std::move(*device), made.errors);
   if (!made.errors.empty()) return made;
 
@@ -82,7 +82,8 @@ void Session::connect(DeviceParts device, std::vector<std::string>& errors) {
                      "' describes no buses, encoders and joints: add them, or run it with --bus direct");
   if (has_rig) {
     for (const std::string& error : RigDevice::complaints(scene_)) errors.push_back(error);
-    if (!device.buses) errors.push_back("the device of scene '" + scene_.name + "' has buses: give them");
+    if (!device.buses)
+      errors.push_back("the device of scene '" + scene_.name + "' has buses: pass them to make()");
     if (errors.empty()) phases_.add(rig_.emplace(scene_, std::move(device.buses)));
   }
   if (has_trackers) {

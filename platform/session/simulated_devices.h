@@ -1,5 +1,5 @@
-// The scene's device, simulated, for who runs scenes and links no simulation: a program that does hands it in.
-// platform/simulated/session.h has it.
+// Interface to a simulation of the scene's device. Code that runs scenes links no simulation; a program that
+// links one passes this. platform/simulated/session.h implements it.
 #pragma once
 
 #include <memory>
@@ -12,13 +12,13 @@
 
 namespace godobject {
 
-/// As it is here, there are none: a run is then on real buses and trackers, or without.
+/// Default: no simulator; runs then use real devices or none.
 struct SimulatedDevices {
   FaultChecks faults{};
-  /// On the scene's device. profiles: by which the simulated nodes have been set up.
+  /// Makes a session on the simulated device of the scene. profiles: profiles of the simulated nodes.
   Session::Made (*make_session)(const SceneConfig& scene, Motion motion,
                                 const RigProfiles& profiles) = nullptr;
-  /// The scene's tracker with a far end that is at rest: for a check of what is set up. Null with errors.
+  /// Makes the scene's tracker with a simulated far end at rest, for checks. Returns null with errors.
   std::unique_ptr<TrackerLink> (*make_resting_tracker)(const TrackerParams& params,
                                                        std::vector<std::string>& errors) = nullptr;
 };

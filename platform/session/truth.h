@@ -1,4 +1,5 @@
-// What only a simulated run knows: where the handle really is, and what a perfect device would have made of it.
+// Interface to the exact state of a simulated device: true pose of the handle, and errors against an ideal
+// device.
 #pragma once
 
 #include <span>
@@ -8,25 +9,27 @@
 
 namespace godobject {
 
-/// What follows the device in a period.
+/// Bodies that follow the device in a period.
 struct Followed {
   std::span<const std::size_t> bodies;
-  std::span<const BodySample> samples;  // one for each body of the scene, as the core got them
-  bool by_an_offset = false;  // between handle and target: a body's error is that against its target
+  std::span<const BodySample> samples;  // one for each body of the scene, as passed to the core
+  bool by_an_offset = false;  // true if handle and target differ by an offset; the error of a body is then
+                              // against its target
 };
 
-/// An observer beside the session: nothing it does changes what the bodies do.
+/// Observer beside the session: does not influence the bodies.
 class Truth {
  public:
   virtual ~Truth() = default;
 
-  /// The session starts with these samples. Allocates.
+  /// Starts with the samples of the session. Allocates.
   virtual void start(std::span<const BodySample> samples) = 0;
-  /// The session's engine is about to have made the step to t (s, of the motion) with these samples. Real-time.
+  /// Advances to t before the session's record is written. Real-time.
+  /// t: time of the motion, s. samples: as in the engine's step to t.
   virtual void step(double t, std::span<const BodySample> samples) noexcept = 0;
-  /// What of the record's errors is against the handle as it really is. Real-time.
+  /// Writes the errors of the record that are measured against the true handle. Real-time.
   virtual void measure(const Followed& followed, CycleRecord& record) const noexcept = 0;
-  /// False when the motion left the workspace of the simulated device.
+  /// False if the motion left the workspace of the simulated device.
   virtual bool reachable() const noexcept = 0;
   /// Mean load of each bus so far, percent.
   virtual std::vector<double> bus_load_percent() const = 0;

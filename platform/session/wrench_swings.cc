@@ -3,7 +3,7 @@
 namespace godobject {
 namespace {
 
-constexpr double nearly = 1 - 1e-6;  // of a bound: what is bounded is there to rounding
+constexpr double nearly = 1 - 1e-6;  // fraction of a bound that counts as reached, because of rounding
 
 }  // namespace
 

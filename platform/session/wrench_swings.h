@@ -1,5 +1,5 @@
-// Watches the wrenches that a run shows to the hand for swinging between their bounds; platform/device/drive_swings.h does it
-// for motors' commands.
+// Watches the displayed wrenches for oscillation between their bounds; platform/device/drive_swings.h watches
+// the motors' commands.
 #pragma once
 
 #include <array>
@@ -12,17 +12,17 @@ namespace godobject {
 
 class WrenchSwings {
  public:
-  /// num_wrenches: that are shown. Allocates; nothing later does.
+  /// Allocates; the other functions do not. num_wrenches: number of displayed wrenches.
   WrenchSwings(const SceneConfig& scene, std::size_t num_wrenches);
 
-  /// The wrench of this index in this step. True: it swings.
+  /// Updates with the wrench of this index in this step. Returns true if it oscillates.
   bool shows(std::size_t index, const Wrench& F) noexcept;
   void reset() noexcept;
 
  private:
-  /// One of force and torque.
+  /// State of one force or torque.
   struct Shown {
-    double bound, largest_change;  // of the length, and that in a step
+    double bound, largest_change;  // of the magnitude, and of its change in a step
     std::array<SwingWatch, 3> watches;
     Vec3 last = Vec3::Zero();
 

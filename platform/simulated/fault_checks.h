@@ -1,14 +1,14 @@
-// What simulated devices say of the [[fault]] tables of scenes.
+// Checks of the scenes' [[fault]] tables by the simulated devices.
 #pragma once
 
 #include "platform/scene/fault_checks.h"
 
 namespace godobject {
 
-/// For load_scene() and load_faults(): errors then have their place in the file.
+/// Returns the checks for load_scene() and load_faults(), which add the place in the file to errors.
 FaultChecks simulated_faults();
 
-/// Why the device, simulated, cannot play this; empty: it can.
+/// Returns the reason why the simulated device cannot play this fault; empty if it can.
 std::string why_not_playable(const FaultConfig& fault, const DeviceConfig& device);
 
 }  // namespace godobject

@@ -25,10 +25,10 @@ class MotionHand final : public Hand {
   Motion motion_;
 };
 
-/// A link of a simulated tracker whose tools the hand moves.
+/// Link of a simulated tracker with tools moved by the hand.
 class MovedTrackerLink final : public TrackerLink {
  public:
-  /// tools: of all trackers of the scene; one of their links moves them.
+  /// tools: tools of all trackers of the scene. moves_tools: true for the one link that moves them.
   MovedTrackerLink(std::unique_ptr<SimTrackerLink> link, std::shared_ptr<SimTrackers> tools, bool moves_tools)
       : link_(std::move(link)), tools_(std::move(tools)), moves_tools_(moves_tools) {}
 
@@ -46,7 +46,7 @@ class MovedTrackerLink final : public TrackerLink {
   bool moves_tools_;
 };
 
-/// The rig's link; null with errors.
+/// Makes the rig's link; null with errors.
 std::unique_ptr<SimLink> make_rig(const SceneConfig& scene, const std::shared_ptr<const Hand>& hand,
                                   const RigProfiles& profiles, std::vector<std::string>& errors) {
   errors = RigDevice::complaints(scene);
@@ -80,7 +80,7 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const SceneConfig& scene
   return links;
 }
 
-/// Scenes that load_scene() was to check have none of these.
+/// Returns one error for each fault that cannot be played; none for scenes that load_scene() checked.
 std::vector<std::string> unplayable_faults(const SceneConfig& scene) {
   std::vector<std::string> errors;
   for (const FaultConfig& fault : scene.faults) {

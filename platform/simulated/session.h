@@ -1,5 +1,6 @@
-// Simulated devices of scenes: with the command line's `simulate` the one room of platform that knows sim, and a library of its
-// own (godobject::simulated). truth.h is what such a run knows besides, fault_checks.h what it can play.
+// Simulated devices of scenes. This folder and the command line's `simulate` are the only users of sim in
+// platform. It is a library of its own (godobject::simulated). truth.h: exact state of the device;
+// fault_checks.h: faults that can be played.
 #pragma once
 
 #include <memory>
@@ -11,19 +12,21 @@
 
 namespace godobject {
 
-/// For who runs scenes without knowing what simulates: see platform/session/simulated_devices.h.
+/// Returns the interface to this simulation for code that does not link it: see
+/// platform/session/simulated_devices.h.
 SimulatedDevices simulated_devices();
 
-/// sim: on the scene's device, simulated; direct: the motion is handed to the core as it is. profiles: by which the
-/// simulated nodes have been set up.
+/// Makes a session. bus: sim: the scene's device, simulated; direct: no device, the motion drives the core.
+/// profiles: profiles of the simulated nodes.
 Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus,
                            const RigProfiles& profiles = {});
 
-/// The motion as the hand that moves a simulated device.
+/// Returns the motion as the hand that moves a simulated device.
 std::shared_ptr<const Hand> hand_of(Motion motion);
-/// What a simulated rig is made of for the scene's device, which has one; handles of bodies that the scene has not stay where they are.
+/// Returns the simulator configuration for the scene's device (which must exist). Handles of unknown bodies
+/// stay fixed.
 SimRigConfig sim_rig_config(const SceneConfig& scene);
-/// What simulated trackers are made of for the scene's device, which has some.
+/// Returns the configuration of simulated trackers for the scene's device (which must have trackers).
 SimTrackersConfig sim_trackers_config(const SceneConfig& scene);
 
 }  // namespace godobject

@@ -9,12 +9,12 @@ SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const H
       link_(link),
       driven_(driven_bodies(scene)),
       handle_(driven_.size()),
-      takes_hold_(takes_hold(scene)) {
+      grips_bodies_(grips_bodies(scene)) {
   if (link_ == nullptr) return;
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t k = 0; k < by_handle.size(); ++k)
     if (by_handle[k]) handle_[*by_handle[k]] = k;
-  joints_ = LedJoints(scene);
+  joints_ = PrescribedJoints(scene);
 }
 
 void SimulatedTruth::start(std::span<const BodySample> samples) {
@@ -23,9 +23,9 @@ void SimulatedTruth::start(std::span<const BodySample> samples) {
   engine_ = make_engine(scene_, samples_, why_not);
 }
 
-/// Where what moves this driven body really is; where nothing does, the hand's target.
+/// Returns the exact pose of the handle of this driven body; without a handle, the hand's target.
 Target SimulatedTruth::target(std::size_t driven, double t) const noexcept {
-  const std::size_t index = takes_hold_ ? 0 : driven;
+  const std::size_t index = grips_bodies_ ? 0 : driven;
   if (handle_[index]) return link_->rig().handle(*handle_[index]);
   return hand_->target(index, t);
 }
@@ -35,7 +35,7 @@ void SimulatedTruth::step(double t, std::span<const BodySample> samples) noexcep
   for (BodySample& sample : samples_) sample.valid = true;
   for (std::size_t i = 0; i < driven_.size(); ++i) samples_[driven_[i]].target = target(i, t);
 
-  if (link_ != nullptr) joints_.lead(link_->rig().joints(), true, samples_);
+  if (link_ != nullptr) joints_.write(link_->rig().joints(), true, samples_);
   for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].engaged = samples[i].engaged;
   static_cast<void>(engine_->step(samples_));
 }

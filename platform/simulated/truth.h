@@ -1,11 +1,11 @@
-// The truth of a simulated device: the handle as it is, and an engine beside the session's that is told it exactly.
+// Exact state of a simulated device: the true handle pose, and a reference engine that receives it.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_joints.h"
 #include "platform/session/truth.h"
 #include "sim/hand.h"
 #include "sim/rig/link.h"
@@ -14,7 +14,8 @@ namespace godobject {
 
 class SimulatedTruth final : public Truth {
  public:
-  /// link: of the scene's rig, which outlives this; null for a device of trackers alone. Allocates.
+  /// Allocates. link: link of the scene's rig, which must outlive this object; null for a device of trackers
+  /// alone.
   SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const Hand> hand, const SimLink* link);
 
   void start(std::span<const BodySample> samples) override;
@@ -30,10 +31,10 @@ class SimulatedTruth final : public Truth {
   std::shared_ptr<const Hand> hand_;
   const SimLink* link_;
   std::vector<std::size_t> driven_;                 // bodies
-  std::vector<std::optional<std::size_t>> handle_;  // of each of them, where the rig has one for it
-  bool takes_hold_ = false;                         // one handle leads whatever is held
-  LedJoints joints_;
-  std::vector<BodySample> samples_;  // what a perfect device would tell
+  std::vector<std::optional<std::size_t>> handle_;  // handle of each driven body, if the rig has one
+  bool grips_bodies_ = false;                       // true if one handle moves any held body
+  PrescribedJoints joints_;
+  std::vector<BodySample> samples_;  // samples of an ideal device
   std::unique_ptr<Engine> engine_;
 };
 

@@ -1,6 +1,9 @@
-// The contacts of a run as CSV: a row for every contact that bears a force in a step, with t, body and on (names; body: of the
-// net where it is one of a node), the
-// contact point x y z, the normal nx ny nz off `on`, and the force fx fy fz on `body`. World frame, SI.
+// Contacts of a run as CSV: a row for each contact with a force in a step. World frame, SI. Columns:
+//   t
+//   body, on      names; for a node the name of its net
+//   x y z         contact point
+//   nx ny nz      normal off `on`
+//   fx fy fz      force on `body`
 #pragma once
 
 #include <span>
@@ -12,19 +15,19 @@
 
 namespace godobject {
 
-/// Not for the real-time thread.
+/// Writer of the rows. Not for the real-time thread.
 class ContactTraceWriter {
  public:
   ContactTraceWriter(CsvRows rows, const SceneConfig& scene);
 
   void rows(double t, std::span<const ContactView> contacts);
-  /// Writes what is left. False when anything did not reach the file.
+  /// Writes buffered rows. Returns false if anything was not written.
   [[nodiscard]] bool close() { return file_.close(); }
 
  private:
   CsvRows file_;
   std::vector<std::string> bodies_, obstacles_,
-      nodes_;  // names: of each body, each surface of the world, each node's net
+      nodes_;  // name of each body, of each surface of the world, of each node's net
 };
 
 }  // namespace godobject

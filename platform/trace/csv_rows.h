@@ -1,4 +1,4 @@
-// Rows of a CSV file on their way to it. Every number reads back as the same double.
+// Writer of CSV rows. Every number is printed so that the same double is read back.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,13 @@
 
 namespace godobject {
 
-/// Gathers rows for a file, and hands each row to a sink at once. Not for the real-time thread.
+/// Buffers rows for a file, or passes each row to a sink at once. Not for the real-time thread.
 class CsvRows {
  public:
-  /// Takes text; false: not all of it got where it is to go.
+  /// Receives text; returns false if some of it was not written.
   using Sink = std::function<bool(std::string_view)>;
 
-  /// Into a file.
+  /// Writes into a file.
   CsvRows(const std::string& path);  // NOLINT(google-explicit-constructor): a path stands for its file
   CsvRows(Sink sink);                // NOLINT(google-explicit-constructor)
 
@@ -24,10 +24,10 @@ class CsvRows {
   void header(std::initializer_list<std::string_view> columns);
   void number(double x);
   void vector(const Vec3& a);
-  /// In quotes where it has a comma, a quote or a line end in it.
+  /// Writes text, in quotes if it contains a comma, a quote or a line end.
   void text(std::string_view text);
   void end_row();
-  /// Writes what is left. False when anything did not get there.
+  /// Writes buffered rows. Returns false if anything was not written.
   [[nodiscard]] bool close();
 
  private:
@@ -35,7 +35,7 @@ class CsvRows {
 
   Sink sink_;
   bool all_taken_ = true;
-  std::size_t gathered_ = 0;  // bytes that are gathered before the sink gets them
+  std::size_t gathered_ = 0;  // bytes to buffer before the sink is called
   std::string buffer_;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 bool has_contacts(const SceneConfig& scene) { return contact_scope(scene) != ContactScope::none; }
 
-/// Bodies with contact columns.
+/// Returns the bodies with contact columns.
 std::vector<std::size_t> touchable_bodies(const SceneConfig& scene) {
   std::vector<std::size_t> touchable;
   for (std::size_t i = 0; has_contacts(scene) && i < scene.bodies.size(); ++i)
@@ -69,7 +69,7 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
     for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"})
       columns.push_back(scene.bodies[body].name + ".contact." + name);
   }
-  if (takes_hold(scene))
+  if (grips_bodies(scene))
     columns.insert(columns.end(), {"held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz"});
   columns.push_back("penetration");
   if (has_contacts(scene)) columns.insert(columns.end(), {"contacts", "contact_residual"});
@@ -87,7 +87,7 @@ TraceDeviceColumns device_columns(const SceneConfig& scene) {
   if (!scene.device) return columns;
   columns.t_bus = scene.device->rig || !scene.device->trackers.empty();
   columns.clutch = scene.device->kind == DeviceKind::relative;
-  columns.poses = columns.clutch || takes_hold(scene);
+  columns.poses = columns.clutch || grips_bodies(scene);
   columns.wrenches = scene.device->kind == DeviceKind::admittance;
   if (!scene.device->rig) return columns;
   columns.num_device_joints = scene.device->rig->tree.joints.size();
@@ -100,7 +100,7 @@ TraceWriter::TraceWriter(CsvRows rows, const SceneConfig& scene)
       touchable_(touchable_bodies(scene)),
       contacts_(has_contacts(scene)),
       nets_(!scene.nets.empty()),
-      grips_(takes_hold(scene)),
+      grips_(grips_bodies(scene)),
       device_columns_(device_columns(scene)) {
   file_.header(trace_columns(scene));
 }

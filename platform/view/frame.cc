@@ -9,7 +9,7 @@
 namespace godobject {
 namespace {
 
-/// Numbers one after the other into a frame of the right size.
+/// Writes numbers one after the other into a frame of the right size.
 class FrameWriter {
  public:
   explicit FrameWriter(std::span<std::uint8_t> bytes) noexcept : to_(bytes) {}
@@ -97,7 +97,7 @@ ParseResult decode(std::span<const std::uint8_t> bytes, PointerMessage& out) noe
   message.moves = (buttons & pointer_moves) != 0;
   message.dp_W = Vec3(static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2]));
   message.dphi_W = Vec3(static_cast<double>(x[3]), static_cast<double>(x[4]), static_cast<double>(x[5]));
-  // Not finite: no comparison holds.
+  // Negated, so that NaN fails.
   if (!(message.dp_W.norm() <= max_pointer_shift) || !(message.dphi_W.norm() <= max_pointer_turn))
     return ParseResult::bad_value;
   out = message;
@@ -129,7 +129,7 @@ ParseResult decode(std::span<const std::uint8_t> bytes, JointsMessage& out) noex
     from.get(dq);
     message.dq[i] = static_cast<double>(dq);
     const double largest = i < message.num_joints ? max_joint_shift : 0;
-    if (!(std::abs(message.dq[i]) <= largest)) return ParseResult::bad_value;  // NaN, too
+    if (!(std::abs(message.dq[i]) <= largest)) return ParseResult::bad_value;  // also true for NaN
   }
   out = message;
   return ParseResult::ok;

@@ -1,4 +1,5 @@
-// Keys and wheel in the page as the device of an articulated instrument: they move the coordinates of its joints.
+// Keys and wheel in the page as the device of an articulated instrument: they move the coordinates of its
+// joints.
 #pragma once
 
 #include <array>
@@ -6,13 +7,13 @@
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_joints.h"
 #include "platform/rt/ring.h"
 #include "platform/view/frame.h"
 
 namespace godobject {
 
-/// Largest rates at which a page moves a turn, rad/s, and a slide, m/s. The loop enforces them.
+/// Largest rates at which a page moves an angle, rad/s, and a length, m/s. The loop enforces them.
 inline constexpr double max_page_turn_rate = 3, max_page_slide_rate = 0.3;
 
 /// Interval in which a page moves a coordinate, rad or m.
@@ -20,29 +21,33 @@ struct CoordinateRange {
   double lower = 0, upper = 0;
 };
 
-/// True if pages move the joints of this scene's device instead of its bodies: its motion is one of joints.
+/// True if pages move the joints of this scene's device instead of its bodies, because its motion is one of
+/// joints.
 bool page_moves_joints(const SceneConfig& scene);
 
-/// Replaces the device by its joints alone, at rest where the motion begins. page_moves_joints() is true.
+/// Replaces the device by its joints alone, at rest at the start of the motion. page_moves_joints() must be
+/// true.
 void lead_joints_by_page(SceneConfig& scene);
 
-/// For each joint of the device: its stops and half their distance beyond, so that jaws can press; without stops half
-/// a turn, or half a metre, about the start.
+/// Returns the range of each joint of the device: its stops, extended by half their distance so that jaws can
+/// press. Without stops half a turn, or half a metre, about the start.
 std::vector<CoordinateRange> page_ranges(const SceneConfig& scene);
 
 class JointPointer final : public HandDevice {
  public:
-  /// scene: of lead_joints_by_page(). clock: of the loop and of take(). Allocates; nothing later does.
+  /// Allocates; the other functions do not. scene: after lead_joints_by_page(). clock: clock of the loop and
+  /// of take().
   JointPointer(const SceneConfig& scene, Nanoseconds (*clock)() noexcept);
 
-  // The view's thread:
+  // For the view's thread:
 
-  /// Applies a message of a client. False if another client moves the joints, or the message is not for this device.
+  /// Applies a message of a client. Returns false if another client moves the joints, or the message does not
+  /// fit this device.
   bool take(std::uint64_t client, const JointsMessage& message);
-  /// The client is gone: its coordinates stay.
+  /// Releases the joints of a client that is gone; the coordinates stay.
   void leave(std::uint64_t client);
 
-  // The loop:
+  // For the loop:
 
   void read(Period& period, std::span<BodySample> samples) noexcept override;
 
@@ -50,7 +55,7 @@ class JointPointer final : public HandDevice {
   using Coordinates = std::array<double, max_joints>;
   struct Sample {
     Coordinates q{};
-    bool leads = false;  // stale if the next sample does not come
+    bool leads = false;  // true: stale if the next sample is late
     Nanoseconds t = 0;
   };
 
@@ -61,17 +66,17 @@ class JointPointer final : public HandDevice {
   std::vector<DeviceJoint> joints_;
   std::vector<CoordinateRange> ranges_;
   KinematicTree tree_;
-  std::vector<std::size_t> bodies_;  // of each handle
-  LedJoints led_;
+  std::vector<std::size_t> bodies_;  // one per handle
+  PrescribedJoints prescribed_;
   Ring<Sample> samples_{64};
 
-  // The view's thread's.
-  Sample said_;
-  std::optional<std::uint64_t> client_;  // that moves the joints
+  // State of the view's thread:
+  Sample sent_;
+  std::optional<std::uint64_t> client_;  // the one that moves the joints
   std::uint32_t number_ = 0;             // of its last message
-  Coordinates room_{};                   // by which it may still move each joint at once, rad or m
+  Coordinates room_{};  // remaining displacement of each joint that is allowed at once, rad or m
 
-  // The loop's.
+  // State of the loop:
   Sample heard_;
   JointTarget shown_;
 };

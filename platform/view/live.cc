@@ -3,7 +3,7 @@
 namespace godobject {
 namespace {
 
-/// Between a frame and the question for the next one; with the server's own period 60 frames a second at most.
+/// Pause between a frame and the next request, ns; with the server's own period at most 60 frames a second.
 constexpr Nanoseconds frame_pause = 13'000'000;
 
 }  // namespace
@@ -20,15 +20,15 @@ LiveView::LiveView(const Session& session, const ViewAbout& about, PointerDevice
 
 ViewBytes LiveView::frame() {
   const Nanoseconds now = clock_.now();
-  if (!asked_) {
+  if (!requested_) {
     if (now - shown_ < frame_pause) return nullptr;
     tap_.ask();
-    asked_ = true;
+    requested_ = true;
     return nullptr;
   }
   const ViewSample* const sample = tap_.get();
   if (sample == nullptr) return nullptr;
-  asked_ = false;
+  requested_ = false;
   shown_ = now;
   for (std::size_t i = 0; i < driven_.size(); ++i) places_[i] = sample->record.bodies[driven_[i]].X_WB.p;
   auto bytes = std::make_shared<std::vector<std::uint8_t>>();

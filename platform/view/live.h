@@ -1,8 +1,4 @@
-// A running session as a view shows it.
-//
-// The room: tap.h takes records out of the loop; solids.h, nets.h and scene_json.h say what a scene looks like, frame.h what a
-// period does; pointer.h is the hand in the page as a device; recorded/ shows what was, server/ serves it, page/ is the page,
-// picture/ draws without a browser.
+// A running session as the source of a view.
 #pragma once
 
 #include <memory>
@@ -20,7 +16,7 @@ namespace godobject {
 
 class LiveView final : public ViewSource {
  public:
-  /// pointer, joints: null where pages move no bodies, no joints. All outlive this.
+  /// pointer, joints: null if pages move no bodies, no joints. All must outlive this object.
   LiveView(const Session& session, const ViewAbout& about, PointerDevice* pointer,
            JointPointer* joints = nullptr);
 
@@ -44,10 +40,10 @@ class LiveView final : public ViewSource {
   std::vector<std::size_t> driven_;
   PointerDevice* pointer_;
   JointPointer* joints_;
-  std::vector<Vec3> places_;  // of the driven bodies, as last shown
+  std::vector<Vec3> places_;  // positions of the driven bodies in the last frame
   MonotonicClock clock_;
-  Nanoseconds shown_ = 0;  // when the last frame was made
-  bool asked_ = false;
+  Nanoseconds shown_ = 0;  // time of the last frame
+  bool requested_ = false;
 };
 
 }  // namespace godobject

@@ -4,7 +4,7 @@ namespace godobject {
 
 namespace {
 
-/// X_WB(body): where that body is.
+/// Returns the anchors of the nodes. X_WB(body): pose of that body.
 template <class Where>
 std::vector<Vec3> on_anchors(const SceneNets& nets, const Where& X_WB) {
   std::vector<Vec3> nodes;

@@ -1,4 +1,4 @@
-// Nets as a view shows them.
+// Nets for the view.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,14 @@
 
 namespace godobject {
 
-/// Where the nodes are, in the world, m: as the sample says; on their anchors where it says nothing of them, as a trace does.
+/// Returns the positions of the nodes, world, m: those of the sample, or the nodes' anchors if the sample has
+/// none, as with traces.
 std::vector<Vec3> nodes_of(const SceneNets& nets, const ViewSample& sample);
 
-/// Where the nodes are at the start, in the world, m.
+/// Returns the positions of the nodes at the start, world, m.
 std::vector<Vec3> nodes_at_start(const SceneConfig& scene);
 
-/// The triangles of a net, by numbers of its own nodes.
+/// Returns the triangles of a net, with the net's own node indices.
 std::vector<TriangleIndices> triangles_of(const NetRange& net);
 
 }  // namespace godobject

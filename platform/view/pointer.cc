@@ -7,7 +7,7 @@
 namespace godobject {
 namespace {
 
-/// At the first body that can be held, and holding nothing.
+/// Returns a sample at the first driven body that holds no body.
 StreamedSample start_of(const SceneConfig& scene, const std::vector<std::size_t>& driven) {
   StreamedSample start;
   if (!driven.empty()) start.X_WD.p = scene.bodies[driven.front()].X_WB.p;
@@ -26,7 +26,7 @@ PointerDevice::PointerDevice(const SceneConfig& scene, Nanoseconds (*clock)() no
       stream_(
           start_of(scene, driven_),
           {.stale_after = pointer_stale_ns, .speed = max_pointer_speed, .turn_rate = max_pointer_turn_rate}),
-      said_(start_of(scene, driven_)) {}
+      sent_(start_of(scene, driven_)) {}
 
 bool PointerDevice::take(std::uint64_t client, const PointerMessage& message, const Vec3& p_WB) {
   const bool is_holder = client_ == client;
@@ -34,12 +34,12 @@ bool PointerDevice::take(std::uint64_t client, const PointerMessage& message, co
   if (message.target >= driven_.size() || (is_holder && message.number <= number_)) return false;
   const Nanoseconds now = clock_();
   const std::size_t body = driven_[message.target];
-  if (message.holds && said_.wish != wish_for(body)) {  // taken where it is
-    said_.X_WD = {.p = p_WB, .q = Quat::Identity()};
-    ++said_.path;
+  if (message.holds && sent_.wish != wish_for(body)) {  // gripped at its present position
+    sent_.X_WD = {.p = p_WB, .q = Quat::Identity()};
+    ++sent_.path;
   } else if (message.holds && message.moves) {
-    const double dt = 1e-9 * static_cast<double>(std::min(now - said_.t, pointer_stale_ns));
-    said_.X_WD = moved_by(said_.X_WD, limited(message.dp_W, dt * max_pointer_speed),
+    const double dt = 1e-9 * static_cast<double>(std::min(now - sent_.t, pointer_stale_ns));
+    sent_.X_WD = moved_by(sent_.X_WD, limited(message.dp_W, dt * max_pointer_speed),
                           limited(message.dphi_W, dt * max_pointer_turn_rate));
   }
   client_ = message.holds ? std::optional(client) : std::nullopt;
@@ -55,10 +55,10 @@ void PointerDevice::leave(std::uint64_t client) {
 }
 
 void PointerDevice::say(std::optional<std::size_t> held, Nanoseconds now) noexcept {
-  said_.wish = wish_for(held);
-  said_.state = held ? StreamedSample::State::leads : StreamedSample::State::rests;
-  said_.t = now;
-  stream_.push(said_);
+  sent_.wish = wish_for(held);
+  sent_.state = held ? StreamedSample::State::leads : StreamedSample::State::rests;
+  sent_.t = now;
+  stream_.push(sent_);
 }
 
 void PointerDevice::read(Period& period, std::span<BodySample> samples) noexcept {
@@ -78,7 +78,7 @@ void lead_by_pointer(SceneConfig& scene) {
   pointer.name = "pointer";
   pointer.kind = shows ? DeviceKind::impedance : DeviceKind::non_haptic;
   pointer.limits = limits;
-  pointer.grab_radius = 1;  // it takes hold
+  pointer.grab_radius = 1;  // makes it a device that grips bodies
   scene.device = pointer;
   scene.motion.reset();
   scene.faults.clear();

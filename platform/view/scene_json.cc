@@ -38,7 +38,7 @@ Json to_json(const MeshData& mesh) {
   return {{"vertices", std::move(vertices)}, {"triangles", std::move(triangles)}};
 }
 
-/// nodes: of all nets, at the start.
+/// nodes: positions of all nets' nodes at the start.
 Json to_json(const NetRange& net, const std::vector<Vec3>& nodes) {
   Vec3 low = nodes[net.first_node], high = low;
   for (std::size_t i = net.first_node; i < net.first_node + net.num_nodes; ++i) {
@@ -62,7 +62,7 @@ Json to_json(const JointConfig& joint, const SceneConfig& scene) {
           {"pose", to_json(joint.X_BP)}};
 }
 
-/// Coordinates that a page moves, with those of the links that carry them, and their ranges.
+/// Lists the coordinates that a page moves, with the coordinates of their parent links, and their ranges.
 Json coordinates_of(const SceneConfig& scene) {
   Json list = Json::array();
   const KinematicTreeParams& tree = *device_tree(scene);
@@ -78,7 +78,7 @@ Json coordinates_of(const SceneConfig& scene) {
   return list;
 }
 
-/// For each driven body: index of the coordinate that carries its handle, or null.
+/// Lists, for each driven body, the index of the coordinate that carries its handle, or null.
 Json carriers_of(const SceneConfig& scene) {
   const KinematicTreeParams& tree = *device_tree(scene);
   Json list = Json::array();
@@ -115,7 +115,7 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
             {"gravity", to_json(scene.gravity)},
             {"max_force", limits.force},
             {"max_torque", limits.torque},
-            {"takes_hold", takes_hold(scene)},
+            {"takes_hold", grips_bodies(scene)},
             {"device", scene.device ? Json(scene.device->name) : Json(nullptr)},
             {"driven", driven_bodies(scene)},
             {"bodies", Json::array()},

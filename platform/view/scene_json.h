@@ -1,4 +1,4 @@
-// A scene as the page gets it: names, what can be drawn, what the bits of faults and limits mean.
+// A scene as JSON for the page: names, shapes, and texts for the bits of faults and limits.
 #pragma once
 
 #include <string>
@@ -8,27 +8,27 @@
 
 namespace godobject {
 
-/// What a bit of a frame's words stands for.
+/// Text for a bit of a frame's fault and limit words.
 struct BitText {
-  std::string name, text;  // text: what it means, and what to do
+  std::string name, text;  // text: meaning and remedy
 };
 
 struct BusLoadText {
   std::string name;
-  double percent = 0;  // at worst
+  double percent = 0;  // worst case
 };
 
-/// What a view says of a run beside its scene.
+/// Data of a view besides its scene.
 struct ViewAbout {
-  std::string title;  // "run sim/scenes/lego.toml", the file of a recording
+  std::string title;  // "run sim/scenes/lego.toml", or the file of a recording
   bool live = true;
   bool takes_pointer = false;
-  std::string warning{};  // shown on the page; empty: none
+  std::string warning{};  // displayed on the page; empty: none
   std::vector<BitText> faults{}, rig_faults{}, limits{};
   std::vector<BusLoadText> buses{};
 };
 
-/// docs/view.md has the keys.
+/// Returns the JSON text, with the keys of docs/view.md.
 std::string scene_json(const SceneConfig& scene, const ViewAbout& about);
 
 }  // namespace godobject

@@ -10,7 +10,7 @@
 namespace godobject {
 namespace {
 
-/// As triangles, with its sides and without a bottom, as contacts see it.
+/// Returns the height field as triangles, with sides and without a bottom, as in the contact search.
 MeshData mesh_of(const HeightGrid& grid, double spacing) {
   MeshData mesh;
   const std::uint32_t n = grid.columns, m = grid.rows;
@@ -84,7 +84,7 @@ bool about_equal(double a, double b) noexcept {
 
 Solid solid_of_inertia(double mass, const Mat3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-  const Vec3& I = axes.eigenvalues();  // rising
+  const Vec3& I = axes.eigenvalues();  // in ascending order
   Mat3 R = axes.eigenvectors();
   const auto root = [](double a) { return std::sqrt(std::max(a, 0.0)); };
   Solid solid{.role = SolidRole::inertia};

@@ -1,4 +1,4 @@
-// What of a scene can be drawn: its bodies by their shapes, what they touch with, and obstacles.
+// Drawable solids of a scene: shapes of bodies, contact spheres, and obstacles.
 #pragma once
 
 #include <optional>
@@ -12,11 +12,11 @@ namespace godobject {
 enum class SolidKind : std::uint8_t { box, sphere, capsule, cylinder, plane, mesh };
 inline constexpr std::array solid_kind_names{"box", "sphere", "capsule", "cylinder", "plane", "mesh"};
 
-/// Why it is there.
+/// Meaning of a solid.
 enum class SolidRole : std::uint8_t {
   shape,     // of a body
-  inertia,   // the solid of equal mass and inertia, of a body without shapes
-  contact,   // a sphere with which a body touches
+  inertia,   // the solid of equal mass and inertia, for a body without shapes
+  contact,   // a contact sphere of a body
   obstacle,  // fixed in the world
 };
 inline constexpr std::array solid_role_names{"shape", "inertia", "contact", "obstacle"};
@@ -34,13 +34,13 @@ struct Solid {
 
 struct Drawing {
   std::vector<Solid> solids;
-  std::vector<MeshData> meshes;  // height fields, too
+  std::vector<MeshData> meshes;  // also of height fields
 };
 
-/// In the order of obstacles, then of bodies.
+/// Returns the solids of the obstacles, then of the bodies.
 Drawing drawing_of(const SceneConfig& scene);
 
-/// The simplest solid of uniform density that has this mass and inertia: a sphere, a cylinder or a box.
+/// Returns the simplest solid of uniform density with this mass and inertia: a sphere, a cylinder or a box.
 Solid solid_of_inertia(double mass, const Mat3& inertia);
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// What leaves the loop for those who look on: a copy of the record of a period, when it was asked for.
+// Copies the record of a period out of the loop on request.
 #pragma once
 
 #include <algorithm>
@@ -10,24 +10,24 @@
 
 namespace godobject {
 
-/// One period of a run, as a view shows it.
+/// One period of a run, for the view.
 struct ViewSample {
   CycleRecord record;
   RunPhase phase = RunPhase::off;
-  bool missed_deadlines = false;  // for good
+  bool missed_deadlines = false;  // latched
   RigCounters counters;
-  Nanoseconds wake_ns = 0;            // the longest since the sample before
-  std::vector<ContactView> touching;  // with room for all; the first num_touching are
+  Nanoseconds wake_ns = 0;            // the longest since the previous sample
+  std::vector<ContactView> touching;  // with space for all; the first num_touching are valid
   std::size_t num_touching = 0;
-  std::vector<Vec3> net_nodes{};  // all of them
+  std::vector<Vec3> net_nodes{};  // of all nets
 };
 
-/// The loop's end is real-time: a load where nothing is asked for, else a copy without allocation.
+/// The loop's end is real-time: one atomic load without a request, else a copy without allocation.
 class ViewTap {
  public:
   explicit ViewTap(const Session& session) : latest_(like(session)) {}
 
-  /// The loop, after each period. record: of the last step so far.
+  /// For the loop, after each period. record: record of the last step so far.
   void offer(const Session& session, const CycleRecord& record) noexcept {
     if (!latest_.wanted()) return;
     ViewSample& sample = latest_.slot();
@@ -40,10 +40,10 @@ class ViewTap {
     session.engine().net_nodes(sample.net_nodes);
     latest_.give();
   }
-  /// The loop, before each period.
+  /// For the loop, before each period.
   void woke(Nanoseconds latency) noexcept { wake_ns_ = std::max(wake_ns_, latency); }
 
-  /// The view's end.
+  /// For the view's thread.
   void ask() noexcept { latest_.ask(); }
   const ViewSample* get() const noexcept { return latest_.get(); }
 

@@ -1,7 +1,4 @@
-// A simulated CAN wire and the controllers on it, event driven on a simulated clock.
-//
-// The room: can_wire.cc and can_port.cc are its halves: arbitration and frame times, controllers and their queues;
-// fault_confinement.h counts errors as ISO 11898-1 does; random.h.
+// Simulated CAN wire and its controllers: event driven, on a simulated clock.
 #pragma once
 
 #include <array>
@@ -18,16 +15,16 @@ namespace godobject {
 
 class SimCanWire;
 
-/// Faults of one port, on top of what set_loss_probability and set_receive_delay make. Shares are per frame.
+/// Faults of one port, in addition to set_loss_probability and set_receive_delay. Shares are per frame.
 struct PortFaults {
-  double drop = 0;           // of the frames it sends and of those it receives: they vanish
-  double duplicate = 0;      // of both: they come twice
-  double corrupt = 0;        // of those it sends: destroyed on the wire, error frame, sent again
-  Nanoseconds delay_ns = 0;  // after which it can read what it has received
+  double drop = 0;           // share of its sent and received frames that are lost
+  double duplicate = 0;      // share of its sent and received frames that are duplicated
+  double corrupt = 0;        // share of its sent frames destroyed on the wire: error frame, then sent again
+  Nanoseconds delay_ns = 0;  // delay until it can read a received frame
 };
 
-/// One controller on a wire. Place it and the wire at set-up, the wire first; neither moves afterwards.
-/// Frames leave in the order they were queued: a frame of high priority waits behind its own elders.
+/// One controller on a wire. Construct the wire first; neither may move afterwards. Frames are sent in the
+/// order in which they were queued: a frame of high priority waits behind earlier frames of the same port.
 class SimCanPort final : public CanBus {
  public:
   static constexpr std::size_t transmit_capacity = 16;
@@ -38,34 +35,34 @@ class SimCanPort final : public CanBus {
   SimCanPort(const SimCanPort&) = delete;
   SimCanPort& operator=(const SimCanPort&) = delete;
 
-  /// False when the wire already has SimCanWire::max_nodes ports.
+  /// Returns false if the wire already has SimCanWire::max_nodes ports.
   [[nodiscard]] bool open() noexcept override;
-  /// Drops both queues.
+  /// Closes the port and drops both queues.
   void close() noexcept override;
-  /// A frame queued while the wire is idle takes part in the arbitration of the next advance_to.
+  /// Queues a frame. If the wire is idle, the frame joins the arbitration of the next advance_to.
   [[nodiscard]] SendResult try_send(const CanFrame& frame) noexcept override;
   [[nodiscard]] bool try_receive(ReceivedFrame& out) noexcept override;
   BusState state() const noexcept override;
   BusCounters counters() const noexcept override;
 
-  /// Starts the way out of bus-off: 128 sequences of 11 recessive bits later the node is error active with
-  /// an empty queue. False when the node is not bus-off.
+  /// Starts the recovery from bus-off: after 128 sequences of 11 recessive bits the node is error active with
+  /// an empty queue. Returns false if the node is not bus-off.
   bool restart() noexcept;
-  /// Bus-off at once; nothing where it is closed or bus-off already.
+  /// Enters bus-off at once; no effect if closed or bus-off already.
   void force_bus_off() noexcept;
-  /// restart() by itself so long after each later bus-off; 0 (the default): never.
+  /// Sets the delay of an automatic restart() after each later bus-off, ns; 0 (the default): never.
   void set_automatic_restart(Nanoseconds delay_ns) noexcept { restart_delay_ns_ = delay_ns; }
 
-  /// The plug. A disconnected node talks to itself: nobody acknowledges, so it repeats its frame and becomes
-  /// error passive, but not bus-off. Pulling the plug in mid-frame leaves the others with an error.
+  /// Connects or disconnects the plug. A disconnected node receives no acknowledgement, repeats its frame and
+  /// becomes error passive, but not bus-off. Disconnecting within a frame causes an error at the other nodes.
   void set_connected(bool connected) noexcept;
-  /// Share of the frames for this node that its receiver misses. The frame was fine on the wire and was
-  /// acknowledged, so it is not repeated: what an overrun in a real controller does.
+  /// Sets the share of frames that the receiver of this node misses. Such a frame was intact and
+  /// acknowledged, so it is not repeated, like an overrun in a real controller.
   void set_loss_probability(double probability) noexcept { loss_probability_ = probability; }
-  /// How long after its end on the wire a frame can be read; its time stamp stays the end on the wire.
+  /// Sets the delay until a frame can be read, ns; its time stamp remains the end on the wire.
   void set_receive_delay(Nanoseconds delay_ns) noexcept { receive_delay_ns_ = delay_ns; }
   void set_faults(const PortFaults& faults) noexcept { faults_ = faults; }
-  /// Frames that set_loss_probability and PortFaults::drop took away.
+  /// Returns the number of frames lost by set_loss_probability and PortFaults::drop.
   std::uint64_t lost() const noexcept { return lost_; }
 
  private:
@@ -76,7 +73,7 @@ class SimCanPort final : public CanBus {
     Nanoseconds t_readable_ns = 0;
   };
   struct Recovery {
-    int sequences_left = 0;  // of 11 recessive bits
+    int sequences_left = 0;  // sequences of 11 recessive bits
     Nanoseconds t_start_ns = 0;
   };
 
@@ -84,7 +81,7 @@ class SimCanPort final : public CanBus {
   SendResult queue(const CanFrame& frame) noexcept;
 
   SimCanWire& wire_;
-  std::size_t index_;  // of this node on the wire; max_nodes: no place was left
+  std::size_t index_;  // index of this node on the wire; max_nodes: no place was free
   bool open_ = false;
   bool connected_ = true;
   FixedQueue<CanFrame, transmit_capacity> transmit_queue_;
@@ -104,33 +101,34 @@ class SimCanPort final : public CanBus {
 
 struct SimWireParams {
   BitRates rates{};
-  double corruption_probability = 0;  // per frame sent
+  double corruption_probability = 0;  // per sent frame
   std::uint64_t seed = 1;
 };
 
 struct WireCounters {
   std::uint64_t frames = 0;  // completed
   std::uint64_t error_frames = 0;
-  Nanoseconds busy_ns = 0;  // frames, error frames and intermissions that have ended
+  Nanoseconds busy_ns = 0;  // time of ended frames, error frames and intermissions
 };
 
-/// The wire. What it models, and what it simplifies:
-/// - When the wire is idle the head of every node's queue takes part in arbitration, bit for bit as in
-///   ISO 11898-1: lower identifier first, data before remote, standard before extended with the same 11 bits.
-/// - A frame lasts its own length (exact_bits). Receivers have it when its end-of-frame field ends; three
-///   bits later the wire is idle. What they send in answer takes part in the arbitration at that instant.
-/// - Whatever goes wrong with a frame is known at its acknowledge slot, because nobody acknowledges a damaged
-///   frame: nobody else listens; the frame was corrupted on the wire, for everybody; or two nodes sent the
-///   same identifier with different contents. (Real controllers see the last one at the first differing bit,
-///   up to one frame earlier, and an error-passive one drops out there; here both go on until bus-off.)
-///   Equal frames sent at the same time merge, as they do on a real wire.
-/// - Then follow the error flag (6 bits, 7 when an error-active receiver joins in), delimiter, intermission;
-///   the frame stays at the head of its queue. Sender: TEC + 8, except for an error-passive one whom
-///   nobody acknowledged and who saw no other flag (ISO 11898-1, exception of that rule). Receivers: REC + 1.
-/// - An error-passive sender waits 8 bits more before it sends again (suspend transmission).
-/// - At bus-off the node's queue is dropped: what it held is stale by the time the node is back.
+/// The wire. Model and simplifications:
+/// - If the wire is idle, the head of every node's queue joins the arbitration, as in ISO 11898-1: lower
+///   identifier first, data before remote, standard before extended with the same 11 bits.
+/// - A frame lasts its own length (exact_bits). Receivers have it at the end of its end-of-frame field. Three
+///   bits later the wire is idle. Answers queued by then join the arbitration at that instant.
+/// - Every error of a frame is detected at its acknowledge slot, because damaged frames are not acknowledged.
+///   Causes: no other node listens; the frame was corrupted for all nodes; two nodes sent the same identifier
+///   with different contents. (Real controllers detect the last case at the first differing bit, up to one
+///   frame earlier, and an error-passive one stops there. Here both continue until bus-off.) Equal frames
+///   sent at the same time merge, as on a real wire.
+/// - The error flag follows (6 bits, 7 if an error-active receiver adds its own), then delimiter and
+///   intermission. The frame stays at the head of its queue. Sender: TEC + 8, except an error-passive one
+///   without acknowledgement and without another flag (ISO 11898-1, exception of that rule).
+///   Receivers: REC + 1.
+/// - An error-passive sender waits 8 more bits before its next frame (suspend transmission).
+/// - At bus-off the node's queue is dropped, because it is stale by the time the node recovers.
 /// - No propagation delay, no clock tolerance, no overload frames.
-/// The order of events is a function of the calls and of the seed.
+/// The order of events depends only on the calls and the seed.
 class SimCanWire {
  public:
   static constexpr std::size_t max_nodes = 32;
@@ -139,9 +137,10 @@ class SimCanWire {
   SimCanWire(const SimCanWire&) = delete;
   SimCanWire& operator=(const SimCanWire&) = delete;
 
-  /// Runs every event up to and including t; a time in the past does nothing.
+  /// Runs all events up to and including time t; a time in the past has no effect.
   void advance_to(Nanoseconds t_ns) noexcept;
-  /// Time of the next event, now() for a frame that can start at once; none when nothing is under way.
+  /// Returns the time of the next event, now() for a frame that can start at once; nullopt if none is
+  /// pending.
   std::optional<Nanoseconds> next_event() const noexcept;
   Nanoseconds now() const noexcept { return now_ns_; }
 
@@ -159,14 +158,14 @@ class SimCanWire {
 
   enum class Phase : std::uint8_t { idle, sending, ending, intermission };
 
-  /// A piece of wire: the one all connected nodes share, or the stub of a disconnected node.
+  /// Part of the wire: shared by all connected nodes, or the stub of one disconnected node.
   struct Segment {
     Phase phase = Phase::idle;
-    Nanoseconds t_start_ns = 0;  // of the frame
-    Nanoseconds t_next_ns = 0;   // when the phase ends; not for idle
-    Nanoseconds t_idle_ns = 0;   // when the wire last became idle
+    Nanoseconds t_start_ns = 0;  // start of the frame
+    Nanoseconds t_next_ns = 0;   // end of the phase; unused in idle
+    Nanoseconds t_idle_ns = 0;   // time at which the wire last became idle
     NodeSet members = 0;
-    NodeSet senders = 0;  // of the frame: more than one when arbitration tied
+    NodeSet senders = 0;  // senders of the frame: several if arbitration tied
     NodeSet receivers = 0;
     bool collided = false;
     CanFrame frame;
@@ -202,7 +201,7 @@ class SimCanWire {
   Nanoseconds bits_ns(int bits) const noexcept { return duration_ns(bits, params_.rates); }
   template <class Function>
   void for_each(NodeSet nodes, Function&& function) const;
-  /// function(segment) of the shared wire and the stubs in use.
+  /// Calls function(segment) for the shared wire and the stubs in use.
   template <class Self, class Function>
   static void for_each_segment(Self& self, Function&& function);
   void note_queue(const SimCanPort& node) noexcept;
@@ -211,12 +210,12 @@ class SimCanWire {
   SplitMix64 random_;
   FrameObserver observer_;
   Nanoseconds now_ns_ = 0;
-  std::array<SimCanPort*, max_nodes> nodes_{};  // null: place is free
+  std::array<SimCanPort*, max_nodes> nodes_{};  // null: the place is free
   std::array<Segment, 1 + max_nodes> segments_;
-  // where an event can be: a wire is asked for its next one many times a cycle
-  NodeSet sending_ = 0;  // nodes whose transmit queue is not empty
-  NodeSet timed_ = 0;    // at least those with a restart, a recovery or a frame that they cannot read yet
-  NodeSet stubs_ = 0;    // at least the stubs with a node or a frame on them
+  // Candidates for events, because next_event() runs many times per cycle.
+  NodeSet sending_ = 0;  // nodes with a non-empty transmit queue
+  NodeSet timed_ = 0;    // includes all nodes with a restart, a recovery or an unreadable received frame
+  NodeSet stubs_ = 0;    // includes all stubs with a node or a frame on them
 };
 
 }  // namespace godobject

@@ -41,7 +41,7 @@ SendResult SimCanPort::try_send(const CanFrame& frame) noexcept {
 SendResult SimCanPort::queue(const CanFrame& frame) noexcept {
   if (wire_.random_.chance(faults_.drop)) {
     ++lost_;
-    return SendResult::queued;  // the sender does not notice
+    return SendResult::queued;  // the sender is not informed
   }
   if (!transmit_queue_.push(frame)) return SendResult::full;
   wire_.note_queue(*this);

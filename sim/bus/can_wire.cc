@@ -11,8 +11,8 @@ constexpr int recovery_sequences = 128;
 constexpr int bits_after_acknowledge_slot =
     acknowledge_delimiter_bits + end_of_frame_bits + intermission_bits;
 
-/// The arbitration field as one number, in the order its bits are sent; the lower one wins.
-/// Standard: id(11) RTR IDE=0. Extended: id(11) SRR=1 IDE=1 id(18) RTR.
+/// Returns the arbitration field as a number, in the order of its bits; the lower one wins. Standard: id(11)
+/// RTR IDE=0. Extended: id(11) SRR=1 IDE=1 id(18) RTR.
 std::uint32_t arbitration_key(const CanFrame& frame) {
   const std::uint32_t remote = frame.remote ? 1 : 0;
   if (!frame.extended) return frame.id << 21 | remote << 20;
@@ -83,8 +83,8 @@ void SimCanWire::join(std::size_t node, std::size_t segment) noexcept {
   if (nodes_[node]->recovery_) start_recovery(*nodes_[node]);
 }
 
-// The node takes no further part in the frame under way. If it was its sender the wire falls recessive, which
-// the receivers take for a stuff error at the sixth bit.
+// Removes the node from the current frame. If it was the only sender, the wire becomes recessive, which
+// receivers detect as a stuff error at the sixth bit.
 void SimCanWire::drop_out(std::size_t node) noexcept {
   Segment& segment = segments_[segment_of(*nodes_[node])];
   const bool was_sender = (segment.senders & bit_of(node)) != 0;
@@ -196,7 +196,7 @@ void SimCanWire::start_frame(Segment& segment) noexcept {
       now_ns_ + duration_ns(without_last(segment.bits, bits_after_acknowledge_slot), params_.rates);
 }
 
-// At the end of the acknowledge slot.
+// Called at the end of the acknowledge slot.
 void SimCanWire::finish_sending(Segment& segment) noexcept {
   bool corrupted = random_.chance(params_.corruption_probability);
   for_each(segment.senders, [&](const SimCanPort& sender) {
@@ -261,7 +261,8 @@ void SimCanWire::deliver(SimCanPort& node, const ReceivedFrame& received) noexce
     if (!node.receive_queue_.push({received, t_readable_ns})) ++node.counters_.receive_overflow;
 }
 
-// Acknowledge or error delimiter, end of frame and intermission end every frame with 11 recessive bits.
+// Enters idle. The acknowledge or error delimiter, end of frame and intermission end every frame with 11
+// recessive bits.
 void SimCanWire::become_idle(Segment& segment) noexcept {
   segment.phase = Phase::idle;
   segment.t_idle_ns = now_ns_;
@@ -285,7 +286,7 @@ bool SimCanWire::any_error_active(NodeSet nodes) const noexcept {
   return any;
 }
 
-// Bus-off and the way back.
+// Bus-off and recovery.
 
 void SimCanWire::check_bus_off(SimCanPort& node) noexcept {
   if (!node.errors_.is_bus_off()) return;
@@ -304,7 +305,7 @@ void SimCanWire::start_recovery(SimCanPort& node) noexcept {
   timed_ |= bit_of(node.index_);
 }
 
-// When the recovery ends if the wire stays idle; none while it is busy.
+// Returns the end of the recovery if the wire stays idle; nullopt while it is busy.
 std::optional<Nanoseconds> SimCanWire::recovery_time(const SimCanPort& node) const noexcept {
   if (!node.recovery_) return std::nullopt;
   const Segment& segment = segments_[segment_of(node)];

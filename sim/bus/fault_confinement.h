@@ -1,4 +1,4 @@
-// Error counters of one CAN node and the states they lead to (ISO 11898-1, fault confinement).
+// Error counters of one CAN node and the resulting states (ISO 11898-1, fault confinement).
 #pragma once
 
 #include <algorithm>
@@ -9,29 +9,29 @@ namespace godobject {
 
 class FaultConfinement {
  public:
-  /// Sent an error flag as transmitter: TEC + 8.
+  /// Counts an error as transmitter: TEC + 8.
   void transmit_failed() noexcept { transmit_errors_ = static_cast<std::uint16_t>(transmit_errors_ + 8); }
-  /// TEC - 1, not below 0.
+  /// Counts a transmitted frame: TEC - 1, not below 0.
   void transmitted() noexcept {
     if (transmit_errors_ > 0) --transmit_errors_;
   }
-  /// Saw an error as receiver: REC + 1. The register has eight bits.
+  /// Counts an error as receiver: REC + 1. The register has eight bits.
   void receive_failed() noexcept {
     if (receive_errors_ < 255) ++receive_errors_;
   }
-  /// REC - 1, not below 0; from above 127 to 127, as the standard lets it fall to 119..127.
+  /// Counts a received frame: REC - 1, not below 0; from above 127 to 127 (the standard permits 119..127).
   void received() noexcept {
     if (receive_errors_ > 127) receive_errors_ = 127;
     else if (receive_errors_ > 0) --receive_errors_;
   }
   void reset() noexcept { transmit_errors_ = receive_errors_ = 0; }
-  /// To bus-off at once, as a controller does that finds itself broken.
+  /// Enters bus-off at once, as a controller that detects its own failure.
   void give_up() noexcept { transmit_errors_ = 256; }
 
   std::uint16_t transmit_errors() const noexcept { return transmit_errors_; }
   std::uint16_t receive_errors() const noexcept { return receive_errors_; }
 
-  /// error_active, error_warning, error_passive or bus_off.
+  /// Returns error_active, error_warning, error_passive or bus_off.
   BusState state() const noexcept {
     if (transmit_errors_ > 255) return BusState::bus_off;
     const std::uint16_t worse = std::max(transmit_errors_, receive_errors_);

@@ -1,11 +1,11 @@
-// A small random generator whose numbers are the same on every machine and library.
+// Small random generator with equal numbers on every machine and library.
 #pragma once
 
 #include <cstdint>
 
 namespace godobject {
 
-/// The generator of Steele, Lea and Flood (2014). Any seed is good.
+/// Generator of Steele, Lea and Flood (2014). Any seed is valid.
 class SplitMix64 {
  public:
   explicit constexpr SplitMix64(std::uint64_t seed) noexcept : state_(seed) {}
@@ -18,10 +18,11 @@ class SplitMix64 {
     return z ^ (z >> 31);
   }
 
-  /// Uniform in [0, 1).
+  /// Returns a uniform number in [0, 1).
   constexpr double uniform() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
-  /// True with this probability; draws nothing for 0, so that a fault that is off does not shift the others.
+  /// Returns true with this probability. Draws no number for 0, so that a disabled fault does not shift the
+  /// others.
   constexpr bool chance(double probability) noexcept { return probability > 0 && uniform() < probability; }
 
  private:

@@ -8,7 +8,7 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds impostor_heartbeat_ns = 100'000'000;
-constexpr double impostor_counts = 12345;  // no node that works shows this for long
+constexpr double impostor_counts = 12345;  // no working node shows this value for long
 
 bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexcept {
   return fault.node_id == node_id && fault.first_bus <= bus && bus < fault.end_bus;
@@ -82,13 +82,13 @@ double FaultInjector::shown(std::size_t node) const noexcept {
   const NodeEntry& from = nodes_[nodes_[node].shows];
   const double q = from.sensor.shown(from.q, from.calibration);
   if (&from == &nodes_[node] || std::isnan(q)) return q;
-  // the other sensor's count, read by this one's calibration
+  // counts of the other sensor, interpreted by this one's calibration
   const Calibration& by = nodes_[node].calibration;
   const double counts = counts_at(q, from.calibration);
   return by.home + by.sign * (counts - static_cast<double>(by.offset_counts)) / by.counts_per_unit;
 }
 
-// What happens at the beginning; what lasts is apply()'s.
+// Performs the actions at the beginning of a fault; apply() does the continuous ones.
 void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
   ++begun_;
   const bool once = text_of(fault.verb).is_event && !fault.duration_ns;
@@ -96,7 +96,7 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
   switch (fault.verb) {
     case FaultVerb::reboot_node:
       node->node->power_cycle(now);
-      if (!once) node->port->close();  // the boot-up message waits for the port
+      if (!once) node->port->close();  // the boot-up message is sent once the port is open
       break;
     case FaultVerb::emcy: node->node->trip(static_cast<std::uint16_t>(fault.value)); break;
     case FaultVerb::bus_off: for_each_port(fault, [](SimCanPort& port) { port.force_bus_off(); }); break;
@@ -109,7 +109,7 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
   }
   if (once && fault.verb != FaultVerb::spike) return;
   active_.push_back({.fault = fault, .t_end_ns = std::nullopt});
-  if (once) active_.back().t_end_ns = now;  // in the next run: one SYNC sees it
+  if (once) active_.back().t_end_ns = now;  // ends in the next run: affects one SYNC
   else if (fault.duration_ns) active_.back().t_end_ns = now + *fault.duration_ns;
 }
 
@@ -117,7 +117,7 @@ void FaultInjector::end(const SimFault& fault) noexcept {
   switch (fault.verb) {
     case FaultVerb::reboot_node: static_cast<void>(node_of(fault)->port->open()); break;
     case FaultVerb::bus_off:
-    case FaultVerb::corrupt:  // most of the senders are bus-off by then
+    case FaultVerb::corrupt:  // most senders are bus-off by then
       for_each_port(fault, [](SimCanPort& port) { static_cast<void>(port.restart()); });
       break;
     case FaultVerb::id_collision:
@@ -173,7 +173,7 @@ void FaultInjector::apply(SimCanPort& port, std::size_t bus, std::uint8_t node_i
   port.set_connected(!level(FaultVerb::unplug, bus, node_id));
 }
 
-/// The value of the latest active fault of this kind there; none without one.
+/// Returns the value of the latest active fault of this verb there; nullopt if none.
 std::optional<double> FaultInjector::level(FaultVerb verb, std::size_t bus,
                                            std::uint8_t node_id) const noexcept {
   std::optional<double> value;
@@ -182,7 +182,8 @@ std::optional<double> FaultInjector::level(FaultVerb verb, std::size_t bus,
   return value;
 }
 
-// One for each bus: a later one takes its place. It is operational at once, and answers SYNC.
+// Adds an impostor to the bus of the fault, replacing an earlier one. It is operational at once and answers
+// SYNC.
 void FaultInjector::admit_impostor(const SimFault& fault, Nanoseconds now) noexcept {
   BusEntry& bus = buses_[fault.first_bus];
   dismiss_impostor(bus);

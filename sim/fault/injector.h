@@ -1,4 +1,4 @@
-// Plays faults on the wires, ports and nodes of a simulated rig.
+// Injects faults into the wires, ports and nodes of a simulated rig.
 #pragma once
 
 #include <memory>
@@ -15,47 +15,48 @@ namespace godobject {
 
 struct ActiveFault {
   SimFault fault;
-  std::optional<Nanoseconds> t_end_ns;  // none: to the end
+  std::optional<Nanoseconds> t_end_ns;  // none: until the end
 };
 
 class FaultInjector {
  public:
-  /// Faults that are active or wait at the same time, besides those scheduled at set-up.
+  /// Maximum number of simultaneously active or waiting faults, besides those scheduled at set-up.
   static constexpr std::size_t capacity = 64;
 
-  // Set-up, in the rig's order of buses. What is added outlives the injector. Allocates.
+  // Set-up, in the order of the rig's buses. Added objects must outlive the injector. Allocates.
 
-  /// nodes: those that run on the wire; a second node of an id and a second host join them. rig: that of all buses.
+  /// nodes: nodes that run on the wire; impostors and a second host are added to it. rig: parameters of all
+  /// buses.
   void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes, const RigParams& rig);
-  /// Index for shown().
+  /// Returns the index for shown().
   std::size_t add_node(std::size_t bus, SimCanPort& port, SimNode& node, const Calibration& calibration);
   void schedule_all(std::span<const SimFault> faults);
 
-  // Then. Nothing allocates.
+  // Run time; no call allocates.
 
-  /// From the next run() on, in which its motion time has come. False when full.
+  /// Schedules a fault from the next run() on whose motion time has reached its `at`. Returns false if full.
   [[nodiscard]] bool schedule(const SimFault& fault) noexcept;
-  /// Once a period, before its SYNC: begins and ends what is due.
+  /// Begins and ends due faults; call it once per period, before its SYNC.
   void run(Nanoseconds now, double motion_time) noexcept;
-  /// Ends all that is active and forgets all that waits.
+  /// Ends all active faults and drops all waiting ones.
   void clear(Nanoseconds now) noexcept;
 
-  /// The joint of a node is at q now.
+  /// Sets the coordinate q of a node's joint, rad or m.
   void move(std::size_t node, double q) noexcept { nodes_[node].q = q; }
-  /// What its sensor shows there; all nodes have been moved.
+  /// Returns the coordinate shown by a node's sensor, after move() of all nodes.
   double shown(std::size_t node) const noexcept;
   std::span<const ActiveFault> active() const noexcept { return active_; }
   std::uint64_t begun() const noexcept { return begun_; }
-  /// Port of a node that was added; null where there is none.
+  /// Returns the port of an added node; null if it does not exist.
   const SimCanPort* port_of(std::size_t bus, std::uint8_t node_id) const noexcept;
 
  private:
   struct BusEntry {
     SimCanPort* host;
     std::vector<SimNode*>* nodes;
-    std::unique_ptr<SimCanPort> impostor_port;  // of the second nodes of an id: closed without one
-    SimEncoder* impostor = nullptr;             // that is on the bus now
-    std::unique_ptr<SimCanPort> second_port;    // of the second host: closed without it
+    std::unique_ptr<SimCanPort> impostor_port;  // for a second node with an existing id; closed without one
+    SimEncoder* impostor = nullptr;             // the one on the bus now
+    std::unique_ptr<SimCanPort> second_port;    // for the second host; closed without it
     std::unique_ptr<SimSecondHost> second_host;
   };
   struct NodeEntry {
@@ -65,8 +66,8 @@ class FaultInjector {
     std::unique_ptr<SimEncoder> impostor;
     Calibration calibration;
     SensorFault sensor{};
-    std::size_t shows;  // of nodes_: the one whose sensor sends under its id
-    double q = 0;       // where its joint is
+    std::size_t shows;  // index into nodes_ of the node whose sensor is sent under this id
+    double q = 0;       // coordinate of its joint
     double clock_error_ppm = 0;
   };
 

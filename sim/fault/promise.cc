@@ -110,7 +110,7 @@ std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanosec
 
 std::string fault_promises_markdown() {
   std::string out =
-      "| played | comes up | may come up as well | motors |\n"
+      "| fault | rig faults | further rig faults possible | motors |\n"
       "|---|---|---|---|\n";
   for (const FaultPromise& promise : promises) {
     const std::string always = list(promise, true);

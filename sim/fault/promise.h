@@ -1,5 +1,5 @@
-// What a rig does about each fault: which of its faults come up, within which time, and what becomes of the motors.
-// One list, which docs/faults.md prints and the tests play.
+// Required reaction of a rig to each fault: its fault bits, their delay, and the state of the motors.
+// docs/faults.md prints this list and the tests inject it.
 #pragma once
 
 #include <array>
@@ -13,44 +13,44 @@
 
 namespace godobject {
 
-/// How long a fault takes to be seen, from the beginning of what is played.
+/// Delay from the beginning of the injected fault to the fault bit.
 enum class FaultDelay : std::uint8_t {
-  at_once,         // with the frame that shows it
+  at_once,         // with the frame that contains it
   votes,           // three samples of five
-  lost,            // no good sample for stale_after, and then for lost_after
-  heartbeat,       // no heartbeat for heartbeat_timeout
-  late_heartbeat,  // the same after one that came late
-  duration,        // when what is played has ended
-  travel,          // when the joint has moved by max_slip
+  lost,            // stale_after and then lost_after without a good sample
+  heartbeat,       // heartbeat_timeout without a heartbeat
+  late_heartbeat,  // heartbeat_timeout after a heartbeat that was late
+  duration,        // at the end of the injected fault
+  travel,          // after the joint has moved by max_slip
 };
 
 struct PromisedFault {
-  RigFault fault = RigFault::none;  // none: the end of the list
+  RigFault fault = RigFault::none;  // none: end of the list
   FaultDelay within = FaultDelay::at_once;
-  bool always = true;  // else it may come up as well, by chance of the moment
+  bool always = true;  // false if the fault bit is optional, depending on timing
 };
 
 enum class MotorsEnd : std::uint8_t {
-  keep,      // torque goes on as commanded
-  run_down,  // every drive still hears the rig, which takes its torque down
-  watchdog,  // a drive hears nothing any more, and stops by itself
+  keep,      // torque continues as commanded
+  run_down,  // every drive still receives commands; the rig ramps the torque down
+  watchdog,  // a drive receives nothing and stops by itself
 };
 
 struct FaultPromise {
-  /// As the control command has them; ENCODER, DRIVE stand for bus and node of one, OTHER for the node id of another
-  /// encoder on its bus, N*stale_after and N*lost_after for that time in s.
+  /// Words of the control command. ENCODER and DRIVE stand for bus and node of one device, OTHER for the node
+  /// id of another encoder on its bus. N*stale_after and N*lost_after stand for that time, s.
   std::string_view words;
   std::array<PromisedFault, 5> faults{};
   MotorsEnd motors = MotorsEnd::keep;
 };
 
-/// At least one of each verb that acts on buses and nodes.
+/// Returns the list: at least one entry per verb for buses and nodes.
 std::span<const FaultPromise> fault_promises() noexcept;
 
-/// In ns; duration_ns: of what is played. None of travel.
+/// Returns the bound of a delay, ns; nullopt for travel. duration_ns: duration of the injected fault.
 std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanoseconds duration_ns) noexcept;
 
-/// The table of docs/faults.md, in Markdown.
+/// Returns the table of docs/faults.md in Markdown.
 std::string fault_promises_markdown();
 
 }  // namespace godobject

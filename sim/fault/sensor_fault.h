@@ -1,4 +1,4 @@
-// What a joint sensor shows in place of the truth.
+// Replaces the true coordinate of a joint by that of a faulty sensor.
 #pragma once
 
 #include <cmath>
@@ -10,12 +10,12 @@
 namespace godobject {
 
 struct SensorFault {
-  std::optional<double> held{};  // rad or m: it is stuck there
+  std::optional<double> held{};  // rad or m: stuck coordinate
   double offset = 0;             // rad or m
-  double wraps_at_counts = 0;    // 0: as its calibration says
+  double wraps_at_counts = 0;    // 0: as in its calibration
   bool no_value = false;
 
-  /// The coordinate (rad or m) that a sensor of this calibration shows at q. NaN: none.
+  /// Returns the coordinate (rad or m) shown by a sensor with this calibration at q; NaN: no value.
   double shown(double q, const Calibration& calibration) const noexcept {
     if (no_value) return std::numeric_limits<double>::quiet_NaN();
     const double seen = held.value_or(q) + offset;

@@ -32,41 +32,41 @@ std::string verb_names() {
 }
 
 std::string no_such_verb(const std::string& verb) {
-  return "there is no verb " + in_quotes(verb) + ": there are " + verb_names();
+  return "unknown verb " + in_quotes(verb) + "; expected one of " + verb_names();
 }
 
-/// Empty, or what is wrong with the value in effect.
+/// Returns the error in the effective value; empty if valid.
 std::string check_value(const FaultVerbText& text, double value) {
   if (text.value.empty() || (value >= text.min && value <= text.max)) return "";
-  return "value " + shortest(value) + " is not from " + shortest(text.min) + " to " + shortest(text.max) +
-         " (" + std::string(text.value) + ")";
+  return "value is " + shortest(value) + ", must be from " + shortest(text.min) + " to " +
+         shortest(text.max) + " (" + std::string(text.value) + ")";
 }
 
-/// Sets first_bus and end_bus; empty, or what is wrong.
+/// Sets first_bus and end_bus. Returns the error; empty if none.
 std::string find_buses(const FaultConfig& config, const RigParams& rig, SimFault& fault) {
   fault.end_bus = rig.buses.size();
   if (config.bus.empty()) return rig.buses.empty() ? "the scene has no buses" : "";
   const auto bus = std::ranges::find(rig.buses, config.bus, &BusParams::name);
-  if (bus == rig.buses.end()) return "there is no bus " + in_quotes(config.bus);
+  if (bus == rig.buses.end()) return "unknown bus " + in_quotes(config.bus);
   fault.first_bus = static_cast<std::size_t>(bus - rig.buses.begin());
   fault.end_bus = fault.first_bus + 1;
   return "";
 }
 
-/// Narrows the buses down to the one of the node; empty, or what is wrong.
+/// Restricts the buses to that of the node. Returns the error; empty if none.
 std::string find_node(const RigParams& rig, SimFault& fault) {
   const std::string name = "node " + std::to_string(fault.node_id);
   std::vector<std::size_t> buses;
   for (std::size_t bus = fault.first_bus; bus < fault.end_bus; ++bus)
     if (has_node(rig, bus, fault.node_id)) buses.push_back(bus);
-  if (buses.empty()) return "there is no " + name + " on this rig's bus";
-  if (buses.size() > 1) return "there is a " + name + " on more than one bus: say which";
+  if (buses.empty()) return "no " + name + " on the buses of this rig";
+  if (buses.size() > 1) return "there is a " + name + " on more than one bus: add bus=NAME";
   fault.first_bus = buses.front();
   fault.end_bus = fault.first_bus + 1;
   return "";
 }
 
-/// Checks the two encoders that exchange their ids: empty, or what is wrong.
+/// Checks two encoders that exchange their ids. Returns the error; empty if none.
 std::string check_swap(const RigParams& rig, const SimFault& fault) {
   const bool are_two = fault.value != fault.node_id && has_encoder(rig, fault.first_bus, fault.node_id) &&
                        has_encoder(rig, fault.first_bus, fault.value);
@@ -80,7 +80,7 @@ bool to_number(std::string_view text, double& out) {
   return !copy.empty() && *end == '\0' && std::isfinite(out);
 }
 
-/// One word key=value of a fault; empty, or what is wrong.
+/// Sets one key=value of a fault. Returns the error; empty if none.
 std::string set(FaultConfig& fault, std::string_view key, std::string_view value) {
   if (key == "bus") fault.bus = value;
   else if (key == "tracker") fault.tracker = value;
@@ -96,7 +96,7 @@ std::string set(FaultConfig& fault, std::string_view key, std::string_view value
     else if (key == "node" && is_node) fault.node_id = static_cast<std::uint8_t>(number);
     else
       return in_quotes(key) + " = " + in_quotes(value) +
-             ": unknown or out of range; there are bus, node (1 to 127), "
+             ": unknown or out of range; expected bus, node (1 to 127), "
              "tracker, value, at (>= 0), duration (> 0)";
   }
   return "";
@@ -108,9 +108,9 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   const std::optional<FaultVerb> verb = fault_verb_named(config.verb);
   if (!verb) return {{}, no_such_verb(config.verb)};
   const FaultVerbText& text = text_of(*verb);
-  if (!config.tracker.empty()) return {{}, "it is of a tracker, not of buses and nodes"};
+  if (!config.tracker.empty()) return {{}, "it names a tracker instead of a bus or node"};
   if (text.place == FaultPlace::tracker)
-    return {{}, in_quotes(text.name) + " is a fault of a tracker: say which"};
+    return {{}, in_quotes(text.name) + " is a fault of a tracker: add tracker=NAME"};
   SimFault fault;
   fault.verb = *verb;
   fault.node_id = config.node_id.value_or(0);
@@ -121,9 +121,9 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   if (error.empty()) error = find_buses(config, rig, fault);
   if (error.empty() && config.node_id) error = find_node(rig, fault);
   if (error.empty() && !config.node_id && text.place == FaultPlace::node)
-    error = in_quotes(text.name) + " is a fault of one node: say which";
+    error = in_quotes(text.name) + " is a fault of one node: add node=ID";
   if (error.empty() && config.node_id && text.place == FaultPlace::bus)
-    error = in_quotes(text.name) + " is a fault of a bus: leave the node out";
+    error = in_quotes(text.name) + " is a fault of a bus: remove node";
   if (error.empty() && *verb == FaultVerb::swap_ids) error = check_swap(rig, fault);
   if (!error.empty()) return {{}, error};
   return {fault, ""};
@@ -134,9 +134,9 @@ TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerPar
   if (!verb) return {{}, no_such_verb(config.verb)};
   const FaultVerbText& text = text_of(*verb);
   if (!acts_on_trackers(text.place)) return {{}, in_quotes(text.name) + " is no fault of a tracker"};
-  if (!config.bus.empty() || config.node_id) return {{}, "a tracker is on no bus: leave bus and node out"};
+  if (!config.bus.empty() || config.node_id) return {{}, "a tracker is on no bus: remove bus and node"};
   const auto named = std::ranges::find(trackers, config.tracker, &TrackerParams::name);
-  if (named == trackers.end()) return {{}, "there is no tracker " + in_quotes(config.tracker)};
+  if (named == trackers.end()) return {{}, "unknown tracker " + in_quotes(config.tracker)};
   SimTrackerFault fault{.verb = *verb,
                         .tracker = static_cast<std::size_t>(named - trackers.begin()),
                         .tool = 0,
@@ -172,7 +172,7 @@ std::optional<FaultConfig> parse_fault(std::string_view words, std::string& erro
     }
     if (!error.empty()) return std::nullopt;
   }
-  if (fault.verb.empty()) error = "expected a verb: there are " + verb_names();
+  if (fault.verb.empty()) error = "expected a verb: one of " + verb_names();
   return error.empty() ? std::optional(fault) : std::nullopt;
 }
 

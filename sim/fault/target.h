@@ -1,4 +1,4 @@
-// A fault that has found what it acts on.
+// A fault with resolved target.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,11 @@ namespace godobject {
 
 struct SimFault {
   FaultVerb verb = FaultVerb::drop;
-  std::size_t first_bus = 0, end_bus = 0;  // the buses it acts on; with a node just that node's
-  std::uint8_t node_id = 0;                // 0: the host's end of the buses
-  double at = 0;                           // s of the motion
-  std::optional<Nanoseconds> duration_ns;  // of bus time
-  double value = 0;                        // in effect: the verb's default in place of 0
+  std::size_t first_bus = 0, end_bus = 0;  // affected buses; with a node, only that of the node
+  std::uint8_t node_id = 0;                // 0: the host's port of the buses
+  double at = 0;                           // time of the motion, s
+  std::optional<Nanoseconds> duration_ns;  // bus time
+  double value = 0;                        // effective value: the verb's default instead of 0
 };
 
 struct FaultResult {
@@ -27,17 +27,17 @@ struct FaultResult {
   std::string error;              // completes "fault ...: "
 };
 
-/// Finds verb, bus and node of `config`, which names no tracker, on a rig.
+/// Resolves verb, bus and node of `config`, which names no tracker, on a rig.
 FaultResult resolve(const FaultConfig& config, const RigParams& rig);
 
 /// A fault of a tracker.
 struct SimTrackerFault {
   FaultVerb verb = FaultVerb::missing;
   std::size_t tracker = 0;
-  std::size_t tool = 0;                    // of its tools, where the verb is of one
-  double at = 0;                           // s of the motion
-  std::optional<Nanoseconds> duration_ns;  // without: to the end
-  double value = 0;                        // in effect: the verb's default in place of 0
+  std::size_t tool = 0;                    // index of its tool, if the verb applies to one
+  double at = 0;                           // time of the motion, s
+  std::optional<Nanoseconds> duration_ns;  // none: until the end
+  double value = 0;                        // effective value: the verb's default instead of 0
 };
 
 struct TrackerFaultResult {
@@ -45,11 +45,12 @@ struct TrackerFaultResult {
   std::string error;                     // as in FaultResult
 };
 
-/// Finds verb and tracker of `config`, which names one.
+/// Resolves verb and tracker of `config`, which names a tracker.
 TrackerFaultResult resolve(const FaultConfig& config, std::span<const TrackerParams> trackers);
 
-/// One fault in words, as at run time: "drop bus=can0 node=4 value=0.1 duration=0.5"; also at, in s of the motion,
-/// and tracker. Verb first, the rest in any order, all of it optional. What is wrong with it: in `error`.
+/// Parses one fault in the words of run time: "drop bus=can0 node=4 value=0.1 duration=0.5"; also `at`, s of
+/// the motion, and `tracker`. Verb first, the other words in any order, all optional. error: the error in the
+/// words.
 std::optional<FaultConfig> parse_fault(std::string_view words, std::string& error);
 
 }  // namespace godobject

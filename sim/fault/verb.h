@@ -1,7 +1,4 @@
-// The faults a simulated rig can play: one table of their names, what they take and what they do.
-//
-// The room: target.h finds what a fault acts on, injector.h plays it, sensor_fault.h bends a measurement; promise.h
-// says what the rig must do about each, and tests play it.
+// Faults that a simulated rig can inject: one table of names, values and effects.
 #pragma once
 
 #include <array>
@@ -36,12 +33,12 @@ enum class FaultVerb : std::uint8_t {
 };
 inline constexpr std::size_t num_fault_verbs = 19;
 
-/// What a verb can act on. A bus stands for the host's end of it.
+/// Target of a verb. A bus means the host's port on it.
 enum class FaultPlace : std::uint8_t {
   node,         // one node
   bus,          // a bus
-  bus_or_node,  // without a node: the host's end of the bus, so all nodes of it at once
-  anywhere,     // that, or a tracker
+  bus_or_node,  // without a node: the host's port of the bus, which affects all its nodes
+  anywhere,     // node, bus or tracker
   tracker,      // a tracker
 };
 
@@ -52,19 +49,19 @@ struct FaultVerbText {
   std::string_view name;
   FaultPlace place;
   std::string_view meaning;
-  std::string_view value;    // what FaultConfig::value is, with its unit; empty: not used
-  double default_value = 0;  // in place of a value of 0
-  double min = 0, max = 0;   // of the value
-  bool is_event = false;     // without a duration it happens once; the others then last to the end
-  std::string_view remark;   // what the rig does about it is in sim/fault/promise.h
+  std::string_view value;    // meaning and unit of FaultConfig::value; empty: unused
+  double default_value = 0;  // replaces a value of 0
+  double min = 0, max = 0;   // range of the value
+  bool is_event = false;     // without a duration: happens once; other verbs last until the end
+  std::string_view remark;   // reaction of the rig: sim/fault/promise.h
 };
 
-/// In the order of FaultVerb.
+/// Returns the texts in the order of FaultVerb.
 std::span<const FaultVerbText, num_fault_verbs> fault_verb_texts() noexcept;
 const FaultVerbText& text_of(FaultVerb verb) noexcept;
 std::optional<FaultVerb> fault_verb_named(std::string_view name) noexcept;
 
-/// The table of docs/faults.md, in Markdown.
+/// Returns the table of docs/faults.md in Markdown.
 std::string fault_reference_markdown();
 
 }  // namespace godobject

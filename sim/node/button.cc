@@ -17,7 +17,7 @@ SimButtonNode::SimButtonNode(CanBus& bus, std::uint8_t node_id, Nanoseconds hear
 }
 
 void SimButtonNode::on_nmt_state(Nanoseconds) noexcept {
-  sent_ = static_cast<std::uint8_t>(~inputs_);  // so that the next tick tells
+  sent_ = static_cast<std::uint8_t>(~inputs_);  // differs from inputs_, so that the next tick sends
 }
 
 void SimButtonNode::on_tick(Nanoseconds) noexcept {

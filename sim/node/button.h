@@ -1,4 +1,4 @@
-// A simulated digital input node (CiA 401): the device's buttons.
+// Simulated digital input node (CiA 401): the device's buttons.
 #pragma once
 
 #include "hal/canopen/cia401.h"
@@ -6,15 +6,15 @@
 
 namespace godobject {
 
-/// TPDO1 {6000h:01} goes out when an input changes, when the node becomes operational, and by its event timer:
-/// a message that got lost is made good by the next.
+/// Sends TPDO1 {6000h:01} when an input changes, when the node becomes operational, and by its event timer,
+/// which compensates for a lost message.
 class SimButtonNode final : public SimCanopenNode {
  public:
   static constexpr std::uint16_t event_ms = 50;
 
   SimButtonNode(CanBus& bus, std::uint8_t node_id, Nanoseconds heartbeat_period_ns);
 
-  /// The eight inputs, as they are.
+  /// Sets the states of the eight inputs.
   void set_inputs(std::uint8_t inputs) noexcept { inputs_ = inputs; }
 
  private:
@@ -27,7 +27,7 @@ class SimButtonNode final : public SimCanopenNode {
   std::uint8_t sent_ = 0;
 };
 
-/// What simulated button nodes say of themselves in 1018h. The vendor is none that CiA has given away.
+/// 1018h of simulated button nodes. CiA has not assigned this vendor id.
 inline constexpr lss::Identity sim_button_identity{
     .vendor = 0x0000'0DEB, .product = 0x401, .revision = 0x0001'0000, .serial = 1};
 

@@ -15,12 +15,12 @@ constexpr std::uint16_t emcy_heartbeat_lost = 0x8130;
 
 std::uint16_t to_ms(Nanoseconds t_ns) noexcept { return static_cast<std::uint16_t>(t_ns / 1'000'000); }
 
-// A homing and a quick stop take this long: more than a period of the usual SYNC, so that a status in between shows them.
+// Duration of a homing and a quick stop: longer than a period of the usual SYNC, so that a status shows them.
 constexpr Nanoseconds manoeuvre_duration_ns = 1'500'000;
 
-constexpr std::uint32_t supported_modes = 0x100 | 0x80 | 0x20;  // CSV, CSP, homing; and its torque mode
+constexpr std::uint32_t supported_modes = 0x100 | 0x80 | 0x20;  // CSV, CSP, homing; the torque mode is added
 
-// Gains of the servo in CSP and CSV, in shares of torque_max_Nm: a simulated device has little inertia.
+// Servo gains in CSP and CSV, as shares of torque_max_Nm: a simulated device has little inertia.
 constexpr double servo_stiffness_per_rad = 1;
 constexpr double servo_damping_s_per_rad = 0.01;
 
@@ -56,7 +56,7 @@ double SimDrive::applied_torque_Nm() const noexcept {
   return std::clamp(target_Nm, -max_Nm, max_Nm);
 }
 
-// tau = d (v_target - v) in CSV, k (x_target - x) - d v in CSP, at the motor.
+// Returns the servo torque at the motor: tau = d (v_target - v) in CSV, k (x_target - x) - d v in CSP.
 double SimDrive::servo_torque_Nm() const noexcept {
   const DriveParams& drive = params_.drive;
   const double motor_rad_per_count = 1 / (drive.calibration.counts_per_unit * drive.joint_per_motor_rad);
@@ -136,7 +136,7 @@ void SimDrive::finish_manoeuvre() noexcept {
 }
 
 void SimDrive::finish_homing() noexcept {
-  constexpr std::int64_t at_current_position_before = 35;  // in older issues of CiA 402
+  constexpr std::int64_t at_current_position_before = 35;  // method in older issues of CiA 402
   const std::int64_t method = objects().value(homing_method_object);
   const bool known = method == cia402::homing_at_current_position || method == at_current_position_before;
   homing_ = known ? cia402::HomingState::complete : cia402::HomingState::failed;
@@ -216,7 +216,8 @@ Nanoseconds SimDrive::device_timer() const noexcept {
       {t_manoeuvre_ends_ns_, power_stage_works() ? command_deadline() : never, t_look_ns, t_error_ns_});
 }
 
-// Outside operational there are no PDOs to miss: the drive is commanded by SDO.
+// Returns the deadline of RPDO1; `never` outside operational, where no PDOs are exchanged and SDO commands
+// the drive.
 Nanoseconds SimDrive::command_deadline() const noexcept {
   if (!is_operational()) return never;
   const SimPdo* command = find_pdo(PdoDirection::receive, 1);
@@ -236,12 +237,12 @@ void SimDrive::show(canopen::ObjectAddress address, std::int64_t value) noexcept
   objects().find(address)->value = value;
 }
 
-// Transitions of the CiA 402 state machine; commands by their masks over bits 7, 3, 2, 1, 0.
+// State transitions of CiA 402; commands by their masks over bits 7, 3, 2, 1, 0.
 void SimDrive::obey(std::uint16_t controlword) noexcept {
   const bool disable_voltage = (controlword & 0x82u) == 0x00;
   const bool quick_stop_bits = (controlword & 0x86u) == 0x02;
   const bool shutdown = (controlword & 0x87u) == 0x06;
-  const bool switch_on = (controlword & 0x87u) == 0x07;  // bit 3 is the next transition's
+  const bool switch_on = (controlword & 0x87u) == 0x07;  // bit 3 belongs to the next transition
   const bool disable_operation = (controlword & 0x8Fu) == 0x07;
   const bool enable_operation = (controlword & 0x8Fu) == 0x0F;
 
@@ -282,7 +283,7 @@ void SimDrive::reset_fault() noexcept {
 }
 
 void SimDrive::send_emergency() noexcept {
-  // Error register 1001h: generic error, and communication error for the 8xxxh codes.
+  // Error register 1001h: generic error; also communication error for codes 8xxxh.
   const bool communication = (error_code_ >> 12) == 0x8;
   const std::uint8_t error_register = error_code_ == 0 ? 0x00 : communication ? 0x11 : 0x01;
   show({0x1001, 0}, error_register);

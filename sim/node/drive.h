@@ -1,4 +1,4 @@
-// A simulated CiA 402 motor drive in the cyclic synchronous modes.
+// Simulated CiA 402 motor drive in the cyclic synchronous modes.
 #pragma once
 
 #include "hal/drive/cia402_homing.h"
@@ -8,44 +8,42 @@
 
 namespace godobject {
 
-/// Ways in which real drives differ from the rest; none by default.
+/// Deviations of real drives from the standard; none by default.
 struct SimDriveQuirks {
-  std::uint16_t error_when_enabled =
-      0;  // 603Fh of a fault that comes up in Operation Enabled, without EMCY; 0: none
-  Nanoseconds error_after_ns = 4'000'000;          // it comes up so long after
-  bool loses_power_only = false;                   // then it is in Switch On Disabled instead of Fault
-  int controlword_every_nth_sync = 1;              // it looks at the controlword so seldom
-  Nanoseconds controlword_period_ns = 0;           // the same by a timer of its own; 0: with SYNC
+  // 603Fh of a fault raised in Operation Enabled, without EMCY; 0: none.
+  std::uint16_t error_when_enabled = 0;
+  Nanoseconds error_after_ns = 4'000'000;          // delay of that fault
+  bool loses_power_only = false;                   // enters Switch On Disabled instead of Fault
+  int controlword_every_nth_sync = 1;              // interval at which it reads the controlword, SYNCs
+  Nanoseconds controlword_period_ns = 0;           // interval by its own timer instead; 0: with SYNC
   std::int16_t max_torque_per_mille = 0;           // 6072h; 0: as torque_max_Nm
-  bool limit_clears_follow_bit = false;            // while the torque is limited bit 12 is 0
-  std::uint16_t status_clear = 0, status_set = 0;  // bits of the statusword that are never, or always, set
+  bool limit_clears_follow_bit = false;            // bit 12 is 0 while the torque is limited
+  std::uint16_t status_clear = 0, status_set = 0;  // bits of the statusword that are always 0, or always 1
 };
 
 struct SimDriveParams {
   DriveParams drive{};
   SimDriveQuirks quirks{};
-  // After power-up, of SimDefaults::rig:
-  Nanoseconds rpdo_timeout_ns = 0;  // deadline of RPDO1, 1400h:05; in whole ms, 0: none, as in CiA 301
-  Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; in whole ms, 0: never sent
+  // After power-up, with SimDefaults::rig:
+  Nanoseconds rpdo_timeout_ns = 0;           // deadline of RPDO1, 1400h:05; whole ms; 0: none, as in CiA 301
+  Nanoseconds event_period_ns = 20'000'000;  // event timer of TPDO2, 1801h:05; whole ms; 0: never sent
   Nanoseconds heartbeat_period_ns = 0;       // 0: never sent
   SimDefaults defaults = SimDefaults::rig;
-  double torque_rated_unit_Nm = godobject::torque_rated_unit_Nm;  // of 6076h
+  double torque_rated_unit_Nm = godobject::torque_rated_unit_Nm;  // unit of 6076h
 };
 
-/// SYNC does what CiA 301 asks of synchronous PDOs: sample and send the status (every n-th SYNC), and put the
-/// RPDO1 that arrived before it into effect. A command thus reaches the motor with the next SYNC, and the
-/// status reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
+/// At SYNC it handles synchronous PDOs as in CiA 301: samples and sends the status (every n-th SYNC) and
+/// activates the RPDO1 received before. A command thus reaches the motor at the next SYNC, and the status
+/// reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
 ///
-/// What stops the motor of a host that is gone is what was set up, and nothing else: a drive that nobody has
-/// set up keeps its torque.
-/// No RPDO1 for its deadline (1400h:05, where it is not 0) while the power stage works: fault, no torque, EMCY 8250h;
-/// the watchdog acts at its own time, not with a SYNC, and in NMT operational only. When the heartbeat that 1016h
-/// names stops, 6007h says what happens. Leaving the NMT state operational switches the power stage off. Quick stop
-/// removes the torque at once and ends in Switch On Disabled, or stays in Quick Stop Active where 605Ah says so (5 to
-/// 7).
+/// Without a configured watchdog the drive keeps its torque after the host is lost. Watchdogs: No RPDO1
+/// within its deadline (1400h:05, unless 0) while the power stage is on: fault, zero torque, EMCY 8250h. It
+/// acts at its own time, not with SYNC, and in NMT operational only. If the heartbeat named in 1016h stops,
+/// 6007h selects the reaction. Leaving NMT operational switches the power stage off. Quick stop removes the
+/// torque at once and ends in Switch On Disabled, or in Quick Stop Active if 605Ah is 5 to 7.
 ///
-/// CSV and CSP (6060h; RPDO3, RPDO2) pull the motor to their target by a soft spring and damper within
-/// torque_max_Nm. Homing knows one method, 37 or 35: the position here is 607Ch. Any other ends in an error.
+/// CSV and CSP (6060h; RPDO3, RPDO2) control the motor by a soft spring and damper within torque_max_Nm.
+/// Homing supports method 37 or 35 only: the present position becomes 607Ch. Any other method fails.
 class SimDrive final : public SimCanopenNode, public SimMotor {
  public:
   SimDrive(CanBus& bus, const SimDriveParams& params);
@@ -59,7 +57,7 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
 
   cia402::DriveState drive_state() const noexcept { return state_; }
   std::uint16_t error_code() const noexcept { return error_code_; }
-  /// Fault, no torque, and an EMCY with this code (603Fh).
+  /// Enters Fault without torque and sends an EMCY with this code (603Fh).
   void trip(std::uint16_t error_code) noexcept override;
 
  private:
@@ -102,13 +100,13 @@ class SimDrive final : public SimCanopenNode, public SimMotor {
   std::uint16_t error_code_ = canopen::emcy_no_error;
   cia402::Command active_;
   cia402::HomingState homing_ = cia402::HomingState::not_running;
-  std::int64_t zero_counts_ = 0;   // what homing has added
-  bool manoeuvre_begins_ = false;  // a homing or a quick stop, timed from the next tick
+  std::int64_t zero_counts_ = 0;   // offset added by homing
+  bool manoeuvre_begins_ = false;  // a homing or a quick stop begins, timed from the next tick
   Nanoseconds t_manoeuvre_ends_ns_ = never;
   Nanoseconds t_received_ns_ = 0;
   int syncs_not_looked_ = 0;
-  Nanoseconds t_look_ns_ = 0;       // at the controlword, by its own timer
-  Nanoseconds t_error_ns_ = never;  // error_when_enabled comes up
+  Nanoseconds t_look_ns_ = 0;       // next reading of the controlword by its own timer
+  Nanoseconds t_error_ns_ = never;  // time at which error_when_enabled is raised
 };
 
 }  // namespace godobject

@@ -28,7 +28,7 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   objects.add_mappable(target_velocity_object, ObjectType::i32);
   objects.add(home_offset_object, ObjectType::i32, rw);
   objects.add(homing_method_object, ObjectType::i8, rw, cia402::homing_at_current_position);
-  objects.add({0x6099, 0}, ObjectType::u8, ro, 2);  // speeds of homing: to the switch, to the index
+  objects.add({0x6099, 0}, ObjectType::u8, ro, 2);  // homing speeds: to the switch, to the index
   objects.add({0x6099, 1}, ObjectType::u32, rw);
   objects.add({0x6099, 2}, ObjectType::u32, rw);
 
@@ -43,7 +43,7 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   quick_stop.low = static_cast<std::int64_t>(cia402::QuickStopOption::disable);
   quick_stop.high = static_cast<std::int64_t>(cia402::QuickStopOption::current_limit_and_stay);
   Object& fault_reaction = objects.add({0x605E, 0}, ObjectType::i16, rw, ours ? 0 : 2);
-  fault_reaction.low = 0;  // disable, 1 and 2 ramps: here the torque is gone at once in all of them
+  fault_reaction.low = 0;  // disable, ramps 1 and 2: each removes the torque at once here
   fault_reaction.high = 2;
   objects.add({0x60C2, 0}, ObjectType::u8, ro, 2);
   objects.add({0x60C2, 1}, ObjectType::u8, rw, 1).low = 1;

@@ -1,4 +1,4 @@
-// The object dictionary of a simulated CiA 402 drive, and its PDOs after power-up.
+// Object dictionary of a simulated CiA 402 drive, and its PDOs after power-up.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace godobject {
 
-// Units of torque in 6071h, 6077h: per mille of 6076h, which counts in mN m unless it is told otherwise.
+// Default unit of 6076h, mN m. Torques 6071h and 6077h are in per mille of 6076h.
 inline constexpr double torque_rated_unit_Nm = 1e-3;
 
 inline constexpr canopen::ObjectAddress error_code_object{0x603F, 0}, controlword_object{0x6040, 0},
@@ -18,18 +18,18 @@ inline constexpr canopen::ObjectAddress error_code_object{0x603F, 0}, controlwor
     target_position_object{0x607A, 0}, home_offset_object{0x607C, 0}, homing_method_object{0x6098, 0},
     target_velocity_object{0x60FF, 0}, quick_stop_option_object{0x605A, 0};
 
-/// What simulated drives say of themselves in 1018h. The vendor is none that CiA has given away.
+/// 1018h of simulated drives. CiA has not assigned this vendor id.
 inline constexpr lss::Identity sim_drive_identity{
     .vendor = 0x0000'0DEB, .product = 0x402, .revision = 0x0001'0000, .serial = 1};
 
-/// 6007h, i16: what a drive does when the host's heartbeat stops (CiA 402-2).
+/// 6007h, i16: reaction of a drive to a lost heartbeat of the host (CiA 402-2).
 enum class AbortConnection : std::int16_t { no_action = 0, fault = 1, disable_voltage = 2, quick_stop = 3 };
 
-/// supported_modes: 6502h; mode n is bit n - 1. unit_Nm: of 6076h.
+/// Adds the objects of a drive. supported_modes: 6502h; mode n is bit n - 1. unit_Nm: unit of 6076h, N m.
 void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, SimDefaults defaults,
                        std::uint32_t supported_modes, double unit_Nm = torque_rated_unit_Nm);
 
-/// deadline_ms: of RPDO1; event_ms: of TPDO2. Both of SimDefaults::rig.
+/// Returns the PDOs. deadline_ms: of RPDO1. event_ms: of TPDO2. Both apply to SimDefaults::rig.
 std::vector<SimPdoDefault> drive_pdos(SimDefaults defaults, std::uint8_t status_every_nth_sync,
                                       std::uint16_t deadline_ms, std::uint16_t event_ms);
 

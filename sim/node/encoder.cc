@@ -39,11 +39,11 @@ SimEncoder::SimEncoder(CanBus& bus, std::uint8_t node_id, const Calibration& cal
   o.add({0x6500, 0}, ObjectType::u16, ro);         // operating status
   o.add({0x6501, 0}, ObjectType::u32, ro, range);  // counts of a turn
   o.add({0x6502, 0}, ObjectType::u16, ro, 1);      // turns
-  o.add({0x6503, 0}, ObjectType::u16, ro);         // alarms, those it has, warnings, those it has
+  o.add({0x6503, 0}, ObjectType::u16, ro);         // alarms, supported alarms, warnings, supported warnings
   o.add({0x6504, 0}, ObjectType::u16, ro, 1);
   o.add({0x6505, 0}, ObjectType::u16, ro);
   o.add({0x6506, 0}, ObjectType::u16, ro);
-  o.add({0x6507, 0}, ObjectType::u32, ro, 0x0003'0002);  // version of the profile, and of the software
+  o.add({0x6507, 0}, ObjectType::u32, ro, 0x0003'0002);  // versions of profile and software
   o.add({0x6508, 0}, ObjectType::u32, ro);               // operating time, 0.1 h
   offset_ = &o.add({0x6509, 0}, ObjectType::i32, ro);
   add_pdo({.number = 1, .transmission = ours ? std::uint8_t{1} : event_driven, .map = {{0x6004, 0}}});

@@ -1,4 +1,4 @@
-// A simulated CiA 406 absolute encoder.
+// Simulated CiA 406 absolute encoder.
 #pragma once
 
 #include "hal/rig/params.h"
@@ -6,23 +6,23 @@
 
 namespace godobject {
 
-/// What a sensor sends that has no value to send.
+/// Counts sent by a sensor without a value.
 inline constexpr std::uint32_t no_value_counts = 0x8000'0000u;
 
-/// The count a sensor shows at joint coordinate q (rad or m): the nearest one, wrapped at the modulus
-/// (2^32 when the calibration has none). The inverse of Calibration. For NaN: no_value_counts.
+/// Returns the counts at joint coordinate q (rad or m), the inverse of Calibration: rounded, wrapped at the
+/// modulus (2^32 if the calibration has none). Returns no_value_counts for NaN.
 std::uint32_t counts_at(double q, const Calibration& calibration) noexcept;
 
-/// Samples its position when a SYNC arrives and sends it as TPDO1. Out of the factory TPDO1 waits for an event
-/// timer that is 0, and TPDO2 answers the SYNC, as those of Lika, BEI and SICK do. The preset 6003h is the
-/// position from then on; the offset 6509h that it makes is kept.
+/// Samples its position at SYNC and sends it as TPDO1. With factory settings TPDO1 waits for an event timer
+/// of 0, and TPDO2 answers SYNC, as for Lika, BEI and SICK. The preset 6003h sets the present position; the
+/// resulting offset 6509h is kept.
 class SimEncoder final : public SimCanopenNode {
  public:
-  /// calibration: what the scene says of the encoder; 6001h, 6002h, 6501h, 6502h follow from it.
+  /// calibration: that of the encoder in the scene; determines 6001h, 6002h, 6501h, 6502h.
   SimEncoder(CanBus& bus, std::uint8_t node_id, const Calibration& calibration,
              Nanoseconds heartbeat_period_ns, SimDefaults defaults = SimDefaults::rig);
 
-  /// True joint coordinate (rad or m) and its rate, from the plant.
+  /// Sets the true joint coordinate (rad or m) and its rate, from the plant.
   void set_position(double q, double q_dot = 0) noexcept {
     q_ = q;
     q_dot_ = q_dot;
@@ -41,7 +41,7 @@ class SimEncoder final : public SimCanopenNode {
   Object* offset_ = nullptr;    // 6509h, counts
 };
 
-/// What simulated encoders say of themselves in 1018h. The vendor is none that CiA has given away.
+/// 1018h of simulated encoders. CiA has not assigned this vendor id.
 inline constexpr lss::Identity sim_encoder_identity{
     .vendor = 0x0000'0DEB, .product = 0x406, .revision = 0x0001'0000, .serial = 1};
 

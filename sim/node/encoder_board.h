@@ -1,4 +1,4 @@
-// A simulated encoder board: the far end of its serial line. It sends a frame whenever its own clock says so.
+// Simulated encoder board: the far end of its serial line. It sends frames by its own clock.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@
 
 namespace godobject {
 
-/// What goes wrong, until it is set back.
+/// Active faults, until reset.
 struct SimBoardFaults {
   bool silent = false;
   double drop_probability = 0;     // per frame
-  double corrupt_probability = 0;  // per frame: one bit of it is flipped
-  double clock_drift = 0;          // 1e-6: how much too fast its clock runs
+  double corrupt_probability = 0;  // per frame: one bit is flipped
+  double clock_drift = 0;          // rate error of its clock, 1e-6; positive: fast
 };
 
 class SimEncoderBoard {
@@ -28,10 +28,10 @@ class SimEncoderBoard {
 
   void set_count(std::size_t i, std::int32_t counts) noexcept { frame_.counts[i] = counts; }
   void set_status(std::uint16_t status) noexcept { frame_.status = status; }
-  /// Power off and on.
+  /// Power-cycles the board.
   void reboot() noexcept { started_ = false; }
 
-  /// The frame that is due by now; empty when none is. `out`: max_encoder_wire bytes.
+  /// Returns the due frame; empty if none. out: at least max_encoder_wire bytes.
   std::span<const std::uint8_t> transmit(std::span<std::uint8_t> out, Nanoseconds now) noexcept;
 
   SimBoardFaults faults{};
@@ -40,7 +40,7 @@ class SimEncoderBoard {
   double period_;  // ns of its own clock
   EncoderFrame frame_;
   Nanoseconds last_ = 0;
-  double clock_ns_ = 0, next_ns_ = 0;  // its own
+  double clock_ns_ = 0, next_ns_ = 0;  // ns of its own clock
   bool started_ = false;
   SplitMix64 random_;
 };

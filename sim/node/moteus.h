@@ -1,4 +1,4 @@
-// A simulated moteus controller: registers over CAN FD, torque by feed-forward.
+// Simulated moteus controller: registers over CAN FD, torque by feed-forward.
 #pragma once
 
 #include "hal/drive/moteus.h"
@@ -6,13 +6,13 @@
 
 namespace godobject {
 
-/// Mode 10 with both gains scaled to zero makes the feed-forward torque; with gains it makes none, since
-/// positions are not followed here. In mode 10 without a command for the watchdog's time: mode 11, which only a
-/// stop leaves, as it does mode 1.
+/// In mode 10 with both gains scaled to zero it applies the feed-forward torque; with gains it applies none,
+/// because position control is not simulated. Without a command within the watchdog time it leaves mode 10
+/// for mode 11. Modes 11 and 1 are left by a stop only.
 class SimMoteus final : public SimNode, public SimMotor {
  public:
-  /// bus: must outlive it and be opened by the caller.
-  /// fault_when_commanded: register 00Fh of a fault that comes up with mode 10; 0: none.
+  /// bus: opened by the caller, outlives this. fault_when_commanded: register 00Fh of a fault raised on
+  /// entering mode 10; 0: none.
   SimMoteus(CanBus& bus, const DriveParams& params, int fault_when_commanded = 0) noexcept;
 
   void poll(Nanoseconds now) noexcept override;
@@ -29,7 +29,7 @@ class SimMoteus final : public SimNode, public SimMotor {
   double applied_torque_Nm() const noexcept override;
 
   int mode() const noexcept { return static_cast<int>(values_[moteus::mode]); }
-  /// How often it was commanded into mode 10 from another one.
+  /// Returns how often it entered mode 10 by a command.
   int times_enabled() const noexcept { return times_enabled_; }
 
  private:

@@ -1,7 +1,4 @@
-// A simulated node on a simulated wire, whatever it speaks.
-//
-// The room: canopen/ is a CANopen slave; encoder.h, drive.h, button.h are devices on
-// it; moteus.h and odrive.h; encoder_board.h on a serial line; second_host.h, another master that should not be there.
+// A simulated node on a simulated wire, of any protocol.
 #pragma once
 
 #include <algorithm>
@@ -17,31 +14,32 @@ class SimNode {
 
   virtual ~SimNode() = default;
 
-  /// Reads what has arrived and runs the timers that are due.
+  /// Processes received frames and due timers.
   virtual void poll(Nanoseconds now) noexcept = 0;
-  /// When poll() next has something to do; `never` if only a frame can cause it.
+  /// Returns the next time at which poll() has work; `never` if only a frame can cause it.
   virtual Nanoseconds next_timer() const noexcept = 0;
   virtual std::uint8_t node_id() const noexcept = 0;
-  /// Off and on again.
+  /// Power-cycles the node.
   virtual void power_cycle(Nanoseconds now) noexcept = 0;
-  /// The device reports an error, in its own numbers, and does what it does then.
+  /// Reports a device-specific error and reacts as the device does.
   virtual void trip(std::uint16_t error_code) noexcept = 0;
-  /// From now on the node's clock is this many ppm fast: its timers come early.
+  /// Sets the clock error, ppm; positive: the clock is fast and timers expire early.
   virtual void set_clock_error(double ppm, Nanoseconds now) noexcept = 0;
 };
 
-/// A simulated drive as the mechanics see it.
+/// Interface of a simulated drive to the mechanics.
 class SimMotor {
  public:
   virtual ~SimMotor() = default;
-  /// True joint coordinate (rad or m) and its rate, from the plant. NaN: its sensor gives no value.
+  /// Sets the true joint coordinate (rad or m) and its rate, from the plant. NaN: its sensor has no value.
   virtual void set_joint(double q, double q_dot) noexcept = 0;
-  /// Torque at the motor shaft in the motor's own sense; sign and transmission are the plant's business.
+  /// Returns the torque at the motor shaft, N m, with the motor's sign; the plant applies sign and
+  /// transmission.
   virtual double applied_torque_Nm() const noexcept = 0;
 };
 
-/// Runs a wire and the nodes on it up to and including t, each node at the instant something happens to it:
-/// answers to a SYNC compete for the wire as they would in reality. The wire must not be past t.
+/// Runs a wire and its nodes up to and including t_ns, each node at the instant of its next event. Answers to
+/// a SYNC thus compete for the wire as in reality. The wire's time must not be past t_ns.
 template <class Nodes>  // a range of pointers to SimNode
 void advance(SimCanWire& wire, const Nodes& nodes, Nanoseconds t_ns) noexcept {
   for (;;) {

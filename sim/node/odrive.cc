@@ -6,7 +6,8 @@ namespace godobject {
 
 namespace {
 
-// No two drives' clocks agree: their cyclic messages do not come all at once.
+// Phase of the cyclic messages per node id: drives have independent clocks, so their messages do not
+// coincide.
 constexpr Nanoseconds phase_step_ns = 1'370'000;
 
 }  // namespace

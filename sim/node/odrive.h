@@ -1,4 +1,4 @@
-// A simulated ODrive: CAN Simple, in torque control.
+// Simulated ODrive: CAN Simple, in torque control.
 #pragma once
 
 #include "hal/drive/odrive.h"
@@ -6,19 +6,20 @@
 
 namespace godobject {
 
-/// Ways in which real ones differ from the rest; none by default.
+/// Deviations of real drives; none by default.
 struct SimOdriveQuirks {
-  std::uint32_t error_in_closed_loop = 0;  // comes up with the request for closed loop; 0: none
+  std::uint32_t error_in_closed_loop = 0;  // error raised on the request for closed loop; 0: none
   bool firmware_0_5 = false;               // flags instead of the procedure result in the heartbeat
-  std::uint8_t motor_error = 0;  // of firmware 0.5, which leaves the axis error 0; 1: it stands until cleared
+  // motor error of firmware 0.5, which leaves the axis error 0; 1: set until cleared
+  std::uint8_t motor_error = 0;
 };
 
-/// Heartbeat and torques come by themselves, the encoder estimates when asked for by a remote frame. Where
-/// its own configuration has the watchdog (DriveWatchdog::drive; out of the factory it is off): in closed loop
-/// without Input_Torque for its time idle, with the watchdog's error, which Clear_Errors takes away.
+/// Sends heartbeat and torques cyclically, and the encoder estimates on a remote frame. With its own watchdog
+/// (DriveWatchdog::drive; off in factory settings), missing Input_Torque in closed loop leads to idle with
+/// the watchdog error, which Clear_Errors resets.
 class SimOdrive final : public SimNode, public SimMotor {
  public:
-  /// bus: must outlive it and be opened by the caller.
+  /// bus: opened by the caller, outlives this.
   SimOdrive(CanBus& bus, const DriveParams& params, const SimOdriveQuirks& quirks = {}) noexcept
       : bus_(bus), params_(params), quirks_(quirks) {
     power_cycle(0);
@@ -39,7 +40,7 @@ class SimOdrive final : public SimNode, public SimMotor {
 
   std::uint32_t axis_state() const noexcept { return axis_state_; }
   std::uint32_t error() const noexcept { return error_; }
-  /// How often it went into closed loop.
+  /// Returns how often it entered closed loop.
   int times_enabled() const noexcept { return times_enabled_; }
 
  private:
@@ -49,7 +50,7 @@ class SimOdrive final : public SimNode, public SimMotor {
   void send_estimates() noexcept;
   bool closed_loop() const noexcept { return axis_state_ == odrive::axis_closed_loop; }
   Nanoseconds watchdog_deadline() const noexcept;
-  /// A period of its own clock, in time of the bus.
+  /// Returns a period of its own clock in bus time.
   Nanoseconds period_ns(double period_s) const noexcept;
 
   CanBus& bus_;
@@ -60,7 +61,7 @@ class SimOdrive final : public SimNode, public SimMotor {
   double q_ = 0, q_dot_ = 0;
   std::uint32_t axis_state_ = odrive::axis_idle;
   std::uint32_t error_ = 0;
-  bool torque_mode_ = false;  // out of the factory: position control
+  bool torque_mode_ = false;  // factory setting: position control
   float torque_Nm_ = 0;
   double clock_rate_ = 1;
   Nanoseconds t_heartbeat_ns_ = 0, t_torques_ns_ = 0, t_fed_ns_ = 0;

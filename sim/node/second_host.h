@@ -1,4 +1,4 @@
-// Another host on a simulated bus: it sends what a rig's host sends, whatever the rig's own one does.
+// A second host on a simulated bus: it sends the frames of a rig's host, independent of the rig's own host.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace godobject {
 
-/// On a CANopen bus SYNC and a heartbeat once a period, on any other a command to each drive.
+/// On a CANopen bus it sends SYNC and a heartbeat once per period, on any other a command to each drive.
 class SimSecondHost final : public SimNode {
  public:
-  /// Allocates; nothing later does. bus: must outlive it and be opened by the caller.
+  /// Allocates; no other function does. bus: opened by the caller, outlives this.
   SimSecondHost(CanBus& bus, const RigParams& rig, std::size_t index_of_bus);
 
   void set_period(Nanoseconds period_ns) noexcept { period_ns_ = period_ns; }
@@ -25,7 +25,7 @@ class SimSecondHost final : public SimNode {
 
  private:
   CanBus& bus_;
-  std::vector<CanFrame> frames_;  // of a period
+  std::vector<CanFrame> frames_;  // frames per period
   Nanoseconds period_ns_ = 10'000'000;
   Nanoseconds t_next_ns_ = 0;
 };

@@ -1,4 +1,4 @@
-# From a trace: t, penetration, number of contacts, largest |contact force| on a body, residual.
+# Extracts from a trace: t, penetration, number of contacts, largest |contact force| on a body, residual.
 NR == 1 {
   for (i = 1; i <= NF; i++) {
     at[$i] = i

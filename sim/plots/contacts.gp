@@ -1,4 +1,4 @@
-# Contacts: how deep, how strong, how many, from a trace.
+# Contacts from a trace: depth, force and number.
 # usage: gnuplot -e "dir='out'" sim/plots/contacts.gp   ->  out/contacts.png
 set terminal pngcairo size 1200,1100 font ",11"
 set output dir."/contacts.png"
@@ -9,7 +9,7 @@ set key outside right top
 set lmargin 14
 set rmargin 26
 set format x ""
-set yrange [0:1e-6 < *]  # nothing may touch at all
+set yrange [0:1e-6 < *]  # the trace may have no contact
 set multiplot layout 3,1 title "contacts"
 set ylabel "deepest penetration (mm)"
 plot rows using 1:(1e3 * $2) with lines lc rgb "#333333" notitle

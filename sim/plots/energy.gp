@@ -1,4 +1,4 @@
-# Energy of the scene, from a trace: of motion, gravity and all springs.
+# Energy of the scene from a trace: kinetic, gravity and all springs.
 # usage: gnuplot -e "dir='out'" sim/plots/energy.gp   ->  out/energy.png
 set terminal pngcairo size 1200,500 font ",11"
 set output dir."/energy.png"

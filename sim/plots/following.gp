@@ -1,6 +1,6 @@
-# Target and tool, and what lies between them, from a trace.
+# Target, tool and their distance, from a trace.
 # usage: gnuplot -e "dir='out'; body='tool'" sim/plots/following.gp   ->  out/following.png
-# where the device takes hold of bodies: bodies='tool brick', all of them in the order of the scene file
+# for a device that grips bodies: bodies='tool brick', all of them in the order of the scene file
 set terminal pngcairo size 1200,1000 font ",11"
 set output dir."/following.png"
 set datafile separator ","
@@ -9,7 +9,7 @@ trace = dir."/trace.csv"
 load "sim/plots/held.gp"
 sq(x) = x * x
 distance(dummy) = sqrt(sq(of_target("x") - of_tool("x")) + sq(of_target("y") - of_tool("y")) + sq(of_target("z") - of_tool("z")))
-# |q_target -+ q_tool| = 2 sin(angle / 4): exact for small angles too, and -q is the same attitude as q
+# |q_target -+ q_tool| = 2 sin(angle / 4): exact for small angles too; -q is the same attitude as q
 chord(sign) = sqrt(sq(of_target("qw") - sign * of_tool("qw")) + sq(of_target("qx") - sign * of_tool("qx")) \
                    + sq(of_target("qy") - sign * of_tool("qy")) + sq(of_target("qz") - sign * of_tool("qz")))
 nearer_chord(dummy) = chord(1) < chord(-1) ? chord(1) : chord(-1)
@@ -32,7 +32,7 @@ plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0"
      trace using (column("t")):(of_tool("y")) with lines lc rgb "#2e7d32" title "tool y", \
      trace using (column("t")):(of_tool("z")) with lines lc rgb "#1f4e9c" title "tool z"
 set ylabel "distance to target (mm)"
-set yrange [0:1e-6 < *]  # it may be zero throughout
+set yrange [0:1e-6 < *]  # the distance may be zero throughout
 plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
      trace using (column("t")):(1e3 * distance(0)) with lines lc rgb "#333333" notitle
 set ylabel "rotation to target (deg)"

@@ -1,6 +1,6 @@
-# Force and torque shown to the hand, from a trace.
+# Displayed force and torque, from a trace.
 # usage: gnuplot -e "dir='out'; body='tool'" sim/plots/force.gp   ->  out/force.png
-# where the device takes hold of bodies: bodies='tool brick', all of them in the order of the scene file
+# for a device that grips bodies: bodies='tool brick', all of them in the order of the scene file
 set terminal pngcairo size 1200,800 font ",11"
 set output dir."/force.png"
 set datafile separator ","
@@ -24,7 +24,7 @@ plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0"
      trace using (column("t")):(shown("fy")) with lines lc rgb "#2e7d32" title "y", \
      trace using (column("t")):(shown("fz")) with lines lc rgb "#1f4e9c" title "z"
 set ylabel "torque (N m)"
-set offsets 0, 0, 1e-6, 1e-6  # a scene may show no torque at all
+set offsets 0, 0, 1e-6, 1e-6  # a scene may display no torque
 set xlabel "t (s)"
 set format x "%g"
 plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \

@@ -1,5 +1,5 @@
-# For the scripts that plot one body: that body, or where the device takes hold of bodies the one that it holds in each
-# row and nothing while it holds none. Needs body, or bodies: all names in the order of the scene file.
+# For scripts that plot one body: selects that body, or for a device that grips bodies the gripped one of each
+# row (none while it holds none). Needs body, or bodies: all names in the order of the scene file.
 holds = exists("bodies")
 nothing(dummy) = holds ? column("held") < 0 : 0
 name_now(dummy) = holds ? word(bodies, int(column("held")) + 1) : body

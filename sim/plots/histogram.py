@@ -2,7 +2,7 @@
 """Prints a histogram of report.json for gnuplot: one line per bin, upper edge (us) and count.
 
 usage: histogram.py report.json wake_us|compute_us
-Exits 1, saying why, when the report has no such histogram.
+Exits with 1 and an error message if the report has no such histogram.
 """
 
 import json

@@ -3,7 +3,7 @@
 
 usage: picture.py SCENE.toml TRACE.csv TIME_S > picture.svg
 
-Bodies are solid; what the device pulls is red, and its target is a wireframe: where the hand is.
+Bodies are solid; bodies coupled to the device are red, their targets wireframes.
 """
 import csv
 import math
@@ -23,7 +23,7 @@ def turned(q, v):
 
 
 def seen(p):
-    """Right, up and towards the eye."""
+    """Coordinates to the right, up and towards the eye."""
     ca, sa, ce, se = math.cos(EYE_AZIMUTH), math.sin(EYE_AZIMUTH), math.cos(EYE_ELEVATION), math.sin(EYE_ELEVATION)
     ahead = ca * p[0] + sa * p[1]
     return [-sa * p[0] + ca * p[1], -se * ahead + ce * p[2], ce * ahead + se * p[2]]
@@ -43,7 +43,7 @@ def face(pose, half, axis, side):
 
 
 def boxes(scene):
-    """Half extents by body; a body that is like another has its shapes."""
+    """Half extents by body; a body with `like` has the shapes of the other body."""
     found, bodies = {}, {body["name"]: body for body in scene["body"]}
     for name, body in bodies.items():
         shapes = body.get("shape") or bodies.get(body.get("like"), {}).get("shape") or []

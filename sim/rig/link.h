@@ -1,4 +1,4 @@
-// The buses of a simulated rig, on a clock of their own.
+// Buses of a simulated rig, on their own clock.
 #pragma once
 
 #include "hal/rig/link.h"
@@ -6,16 +6,16 @@
 
 namespace godobject {
 
-/// Its time moves in its calls alone: begin_cycle() is one period after the one before, wait() one poll later.
+/// Time advances only in its calls: begin_cycle() by one period since the previous one, wait() by one poll.
 class SimLink final : public RigLink {
  public:
-  /// SimRig::why_not() is empty. Allocates; nothing later does.
+  /// SimRig::why_not() must be empty. Allocates; no other function does.
   SimLink(const SimRigConfig& config, std::shared_ptr<const Hand> hand, Nanoseconds period, Nanoseconds poll,
           const RigProfiles& profiles = {})
       : rig_(config, std::move(hand), profiles), period_ns_(period), poll_ns_(poll) {}
 
   std::span<CanBus* const> buses() noexcept override { return rig_.host_buses(); }
-  /// The rest of the last period, with the mechanics up to its end.
+  /// Runs the rest of the last period, including the mechanics up to its end.
   Nanoseconds begin_cycle(double motion_time) noexcept override {
     t_cycle_ns_ += period_ns_;
     rig_.run_wires(t_cycle_ns_ - 1);
@@ -32,7 +32,7 @@ class SimLink final : public RigLink {
 
   SimRig& rig() noexcept { return rig_; }
   const SimRig& rig() const noexcept { return rig_; }
-  /// Mean load of a bus since the start, percent.
+  /// Returns the mean load of a bus since the start, percent.
   double load_percent(std::size_t bus) const noexcept { return rig_.load_percent(bus, t_cycle_ns_); }
 
  private:

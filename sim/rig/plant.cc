@@ -39,7 +39,7 @@ void SimPlant::advance(Nanoseconds t_ns, const JointVector& q_ref, const JointVe
   }
 }
 
-// (I/h + b + d_h + h k_h) v+ + f_c sign(v+) = I/h v + tau_motor + k_h (q_ref - q) + d_h q_ref'
+// Solves (I/h + b + d_h + h k_h) v+ + f_c sign(v+) = I/h v + tau_motor + k_h (q_ref - q) + d_h q_ref'.
 void SimPlant::substep(Eigen::Index joint, double q_ref, double q_ref_dot) noexcept {
   constexpr double h = 1e-9 * static_cast<double>(substep_ns);
   const JointPlant& plant = joints_[static_cast<std::size_t>(joint)];

@@ -1,4 +1,4 @@
-// The mechanics of a simulated device: what its encoders and drives sit on, and the hand that holds it.
+// Mechanics of a simulated device: the joints of its encoders and drives, and the hand that holds it.
 #pragma once
 
 #include <vector>
@@ -9,32 +9,32 @@
 
 namespace godobject {
 
-/// Joints are taken one by one (no coupling inertia):
+/// Joints are independent (no coupling inertia):
 ///   I q'' = tau_motor - b q' - f_c sign(q') + k_h (q_ref - q) + d_h (q_ref' - q')
-/// with JointPlant's inertia I, damping b, friction f_c and the hand's k_h, d_h. Implicit Euler with a
-/// fixed sub-step in every term, friction as the set-valued law (it holds exactly below breakaway):
-/// stable for all non-negative parameters. A device without haptics follows the reference exactly.
+/// with JointPlant's inertia I, damping b, friction f_c and the hand's k_h, d_h. Implicit Euler with a fixed
+/// sub-step in every term. Friction is the set-valued law, exact below breakaway. Stable for all non-negative
+/// parameters. A device without haptics follows the reference exactly.
 class SimPlant {
  public:
   static constexpr Nanoseconds substep_ns = 50'000;
 
-  /// joints: at most max_joints. haptic: the device has a hand, mass and motors. The plant rests
-  /// at q0 at t_ns.
+  /// joints: at most max_joints. haptic: the device has a hand, mass and motors. q0, t_ns: configuration and
+  /// time at which it starts at rest.
   SimPlant(std::vector<JointPlant> joints, bool haptic, const JointVector& q0, Nanoseconds t_ns);
-  /// All joints alike.
+  /// As above, with equal joints.
   SimPlant(const JointPlant& each, std::size_t num_joints, bool haptic, const JointVector& q0,
            Nanoseconds t_ns);
 
-  /// Motor torque on the joint, after the transmission (N m or N); holds until set again.
+  /// Sets the motor torque on a joint, after the transmission (N m or N); held until set again.
   void set_motor_torque(std::size_t joint, double tau) noexcept;
 
-  /// Moves to t_ns in whole sub-steps (the rest is carried over). The reference is where the hand wants
-  /// the joints at t_ns and how fast it moves there.
+  /// Advances to t_ns in whole sub-steps; the remainder is carried over. q_ref, q_ref_dot: reference of the
+  /// hand for the joints at t_ns and its rate.
   void advance(Nanoseconds t_ns, const JointVector& q_ref, const JointVector& q_ref_dot) noexcept;
 
   const JointVector& q() const noexcept { return q_; }
   const JointVector& q_dot() const noexcept { return q_dot_; }
-  /// Torque of the hand on each joint in the last sub-step; zero without haptics.
+  /// Returns the torque of the hand on each joint in the last sub-step; zero without haptics.
   const JointVector& hand_torque() const noexcept { return tau_hand_; }
 
  private:

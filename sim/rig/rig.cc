@@ -13,13 +13,13 @@ namespace {
 
 constexpr Nanoseconds ns_per_ms = 1'000'000;
 
-/// Up to 2.27 times the shortest of the rig. No two nodes' clocks agree: heartbeats in step would all come
-/// between the same SYNC and its answers.
+/// Returns a heartbeat period of up to 2.27 times the shortest of the rig. It differs between nodes, because
+/// in-phase heartbeats would always fall between the same SYNC and its answers.
 Nanoseconds heartbeat_period_ns(double shortest_s, std::uint8_t node_id) noexcept {
   return std::llround(1e9 * shortest_s * (1 + 0.01 * node_id));
 }
 
-/// A drive as the wire and as the mechanics see it: one object.
+/// A drive with its two interfaces, to the wire and to the mechanics: one object.
 struct MadeDrive {
   std::unique_ptr<SimNode> node;
   SimMotor* motor;
@@ -31,12 +31,12 @@ MadeDrive both(std::unique_ptr<Drive> drive) {
   return {.node = std::move(drive), .motor = motor};
 }
 
-/// Unit of 6076h, N m.
+/// Returns the unit of 6076h, N m.
 double unit_of(const std::optional<NodeProfile>& device) {
   return device && device->torque_rated_unit_Nm ? device->torque_rated_unit_Nm->value : torque_rated_unit_Nm;
 }
 
-// One line per protocol.
+// Makes a drive: one line per protocol.
 MadeDrive make_drive(CanBus& bus, const DriveParams& params, const std::optional<NodeProfile>& device,
                      std::vector<SdoStep> stored, Nanoseconds heartbeat_ns) {
   switch (params.protocol) {
@@ -61,7 +61,7 @@ const std::optional<NodeProfile>& profile_of(const std::vector<std::optional<Nod
   return index < profiles.size() ? profiles[index] : none;
 }
 
-/// What the host would write to the node to set it up.
+/// Returns the steps by which the host would set up the node.
 std::vector<SdoStep> steps_of(const std::optional<NodeProfile>& profile, const RigParams& rig,
                               NodeSetup setup) {
   if (!profile) return {};
@@ -76,9 +76,8 @@ std::string SimRig::why_not(const KinematicTreeParams& tree, const Hand& hand) {
   if (hand.moves_joints() || InverseKinematics(tree).invertible()) return "";
   std::string joints;
   for (const DeviceJoint& joint : tree.joints) joints += (joints.empty() ? "'" : ", '") + joint.name + "'";
-  return "a motion of poses goes through the simulated bus only where the device has one handle and six "
-         "joints "
-         "that all move it: give --motion a column for each joint (" +
+  return "a motion of poses on the simulated bus needs a device with one handle and six joints that all move "
+         "it: give --motion a column for each joint (" +
          joints + "), or use --bus direct";
 }
 
@@ -190,7 +189,7 @@ SimCanPort& SimRig::add_port(std::size_t bus) {
 Eigen::Index SimRig::joint_named(const std::string& name) const {
   for (std::size_t i = 0; i < params_.tree.joints.size(); ++i)
     if (params_.tree.joints[i].name == name) return static_cast<Eigen::Index>(i);
-  return 0;  // validate(RigParams) has refused an unknown name
+  return 0;  // unreachable: validate(RigParams) refuses an unknown name
 }
 
 void SimRig::set_observer(const BusObserver& observer) noexcept {

@@ -1,7 +1,5 @@
-// The simulated rig a scene describes: wires, encoder and drive nodes on them, the mechanics under them and
-// the hand that moves it. The other end of the buses is a Rig that knows nothing of this.
-//
-// The room: plant.h is the mechanics and the hand that holds them, link.h brings a rig's buses to a Rig.
+// Simulated rig of a scene: wires, encoder and drive nodes, their mechanics and the hand that moves it. The
+// Rig at the other end of the buses does not depend on it.
 #pragma once
 
 #include <memory>
@@ -25,57 +23,59 @@ struct SimRigConfig {
   RigParams rig;  // valid
   PlantConfig plant;
   WireConfig wire;
-  std::vector<FaultConfig> faults;  // those that name a tracker are not for a rig
-  bool shows_force = false;  // its drives' torque is felt; otherwise the mechanics follow the hand exactly
-  std::size_t target = 0;    // of the hand: what the first handle follows where it does not move the joints
-  RigProfiles
-      devices{};  // the nodes are the devices that these profiles are for: 1000h, 1018h, unit of 6076h
+  std::vector<FaultConfig> faults;  // entries that name a tracker are ignored
+  bool shows_force = false;         // drives act on the hand; otherwise the mechanics follow the hand exactly
+  // target of the hand that the first handle follows, if it does not move the joints
+  std::size_t target = 0;
+  // Device profiles of the nodes: 1000h, 1018h, unit of 6076h.
+  RigProfiles devices{};
 };
 
 class SimRig {
  public:
-  /// Why a rig with this tree, which must be valid, cannot follow the hand; empty when it can. Poses need inverse
-  /// kinematics, which not every device has; a hand that moves the joints does for all of them.
+  /// Returns the reason that a rig with this tree, which must be valid, cannot follow the hand; empty if it
+  /// can. Poses need inverse kinematics, which not every device permits; a hand that moves the joints works
+  /// for all.
   static std::string why_not(const KinematicTreeParams& tree, const Hand& hand);
 
-  /// why_not() is empty. profiles: what the nodes have been set up by and have stored; without, it is for the host to
-  /// do. Allocates; nothing later does.
+  /// why_not() must be empty. profiles: set-up that the nodes have stored; without it, the host sets them up.
+  /// Allocates, as attach() does; no other function does.
   SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, const RigProfiles& profiles = {});
   SimRig(const SimRig&) = delete;
   SimRig& operator=(const SimRig&) = delete;
 
-  /// The host's port on each bus, open.
+  /// Returns the host's port on each bus, open.
   std::span<CanBus* const> host_buses() const noexcept { return host_buses_; }
   void set_observer(const BusObserver& observer) noexcept;
 
   /// Runs the wires and the nodes up to t.
   void run_wires(Nanoseconds t) noexcept;
-  /// When run_wires() has something to do again; none when nothing is under way.
+  /// Returns the next time at which run_wires() has work; nullopt if nothing is pending.
   std::optional<Nanoseconds> next_event() const noexcept;
-  /// Begins and ends the faults that are due, and moves the mechanics to t under the torque the drives apply now; the
-  /// hand is where it is at motion_time (s).
+  /// Begins and ends due faults. Advances the mechanics to t with the present drive torques and the hand at
+  /// motion_time (s).
   void run_plant(Nanoseconds t, double motion_time) noexcept;
 
-  /// The config's faults are scheduled in it.
+  /// Returns the injector, with the config's faults scheduled.
   FaultInjector& faults() noexcept { return faults_; }
   const FaultInjector& faults() const noexcept { return faults_; }
-  /// Port of the node of an encoder or drive; null where there is none of this id.
+  /// Returns the port of an encoder or drive node; null if the id does not exist.
   const SimCanPort* node_port(std::size_t bus, std::uint8_t node_id) const noexcept;
-  /// An open port for one more node on a bus. Allocates: set-up.
+  /// Adds an open port for another node on a bus. Allocates: set-up.
   SimCanPort& attach(std::size_t bus) { return add_port(bus); }
   SimCanPort& host_port(std::size_t bus) noexcept { return buses_[bus]->host; }
-  /// At the motor's shaft, by the drive of this index.
+  /// Returns the torque of a drive at the motor shaft, N m. drive: index.
   double applied_torque_Nm(std::size_t drive) const noexcept {
     return drives_[drive].motor->applied_torque_Nm();
   }
 
-  /// Where the handle of this index really is, and how it moves: what the encoders measure.
+  /// Returns the true pose and twist of a handle, as measured by the encoders. index: of the handle.
   Target handle(std::size_t index) const noexcept;
-  /// Where its joints really are.
+  /// Returns the true joint coordinates and rates.
   JointTarget joints() const noexcept { return {.q = plant_->q(), .q_dot = plant_->q_dot()}; }
-  /// True while every pose so far could be reached by the device.
+  /// True while the device could reach every pose so far.
   bool reachable() const noexcept { return reachable_; }
-  /// Mean load of bus since the start, in percent.
+  /// Returns the mean load of a bus since the start, percent.
   double load_percent(std::size_t bus, Nanoseconds now) const noexcept;
 
  private:
@@ -91,17 +91,17 @@ class SimRig {
   struct EncoderAt {
     std::unique_ptr<SimEncoder> node;
     Eigen::Index joint;
-    std::size_t fault_node;  // of faults_
+    std::size_t fault_node;  // index in faults_
   };
   struct DriveAt {
     std::unique_ptr<SimNode> node;
-    SimMotor* motor;  // the same object
+    SimMotor* motor;  // same object as node
     Eigen::Index joint;
     double joint_torque_per_motor_Nm;
     std::size_t fault_node;
   };
 
-  /// An input node with the bits of all buttons on it.
+  /// Input node with the bits of all its buttons.
   struct ButtonsAt {
     std::unique_ptr<SimButtonNode> node;
     std::size_t bus;
@@ -123,7 +123,7 @@ class SimRig {
   std::shared_ptr<const Hand> hand_;
   KinematicTree tree_;
   InverseKinematics ik_;
-  std::size_t ik_target_ = 0;  // of the hand: what ik_ follows
+  std::size_t ik_target_ = 0;  // target of the hand that ik_ follows
   bool reachable_ = true;
   std::vector<std::unique_ptr<Bus>> buses_;
   std::vector<CanBus*> host_buses_;

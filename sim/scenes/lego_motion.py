@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Writes lego-motion.csv, what the device of lego.toml does: python3 lego_motion.py > lego-motion.csv
+"""Writes lego-motion.csv, the motion of the device of lego.toml: python3 lego_motion.py > lego-motion.csv
 
-It takes "red" and "blue" from the top of the pile and puts one on the other beside it, then takes "mover" and drags
+The device takes "red" and "blue" from the top of the pile and puts one on the other beside it, then takes "mover" and drags
 it through the pile as S4 does.
 """
 import math
 
 SAMPLE = 0.05  # s
 LAYER = 0.010  # height of a brick, m
-HIGH = 0.07  # at which bricks are carried, m
-SITE = (0.0, 0.16)  # where they are put, m
+HIGH = 0.07  # height at which bricks are carried, m
+SITE = (0.0, 0.16)  # place where they are put, m
 DRAG_BEGINS, DRAG_ENDS = 10.0, 20.0  # s
 
 
-# x, y, z (m), yaw (rad) where lego.toml has them
+# x, y, z (m), yaw (rad) as in lego.toml
 RED = (-0.108, -0.019, 0.0254, 0.0)
 BLUE = (0.108, 0.019, 0.0254, 0.0)
 MOVER = (-0.22, 0.0, 0.007, 0.0)
@@ -24,7 +24,7 @@ def above(pose):
 
 
 def put_down(pose, layers_below, yaw):
-    """Where the device is when a brick that it took at `pose` lies at the site, so many layers up."""
+    """Pose of the device for a brick, gripped at `pose`, on the site on top of `layers_below` layers."""
     lowered = pose[2] - 2 * LAYER + layers_below * LAYER
     return (*SITE, lowered, yaw)
 
@@ -32,7 +32,7 @@ def put_down(pose, layers_below, yaw):
 RED_DOWN = put_down(RED, 0, math.pi / 2)
 BLUE_DOWN = put_down(BLUE, 1, math.pi / 2)
 
-# time, pose (x, y, z, yaw) that it has then; it rests there
+# time, pose (x, y, z, yaw) at that time; the device rests there
 WAYPOINTS = [
     (0.0, RED), (0.5, RED),
     (1.2, above(RED)), (2.2, above(RED_DOWN)), (3.0, RED_DOWN), (3.2, RED_DOWN),
@@ -41,7 +41,7 @@ WAYPOINTS = [
     (8.6, above(BLUE_DOWN)), (9.4, above(MOVER)), (9.8, MOVER), (DRAG_BEGINS, MOVER),
 ]
 
-# time, what is held from then on
+# time, brick held from then on
 HOLDS = [(0.0, "-"), (0.5, "red"), (3.15, "-"), (5.35, "blue"), (7.95, "-"), (9.9, "mover")]
 
 
@@ -58,7 +58,7 @@ def between_waypoints(t):
 
 
 def dragged(u):
-    """The target of S4, its clock started smoothly within a second."""
+    """Target of S4, with a clock that starts smoothly within 1 s."""
     t = u * u / 2 if u < 1 else u - 0.5
     angle = 2 * math.pi * t
     return (-0.22 * math.cos(0.2 * angle), 0.035 * math.sin(0.37 * angle),

@@ -29,7 +29,7 @@ std::unique_ptr<SimTrackerLink> make_sim_tracker_link(const TrackerParams& param
   return std::make_unique<SimTrackerLink>(std::move(made.tracker), make_sim_tracker(params, rate_hz, seed));
 }
 
-/// X_TH = X_WT^-1 X_WD X_HT, where X_HT is the inverse of the target's pose on the tool.
+/// X_TH = X_WT^-1 X_WD X_HT, with X_HT the inverse of the target's pose on the tool.
 Pose tool_pose_for(const TrackerParams& params, std::size_t tool, const Pose& X_WD) noexcept {
   const Pose& X_TH = params.tools[tool].X_TH;
   const Quat q = X_WD.q * X_TH.q.conjugate();

@@ -1,5 +1,5 @@
-// A tracker and its simulated far end in one process: the loop reads it as it reads one on a serial line. Time passes
-// when it is read.
+// A tracker and its simulated far end in one process, with the interface of one on a serial line. Time
+// advances when it is read.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ class SimTrackerLink final : public TrackerLink {
 
   [[nodiscard]] bool try_read(TrackerReport& out, Nanoseconds now) noexcept override;
   const TrackerParams& params() const noexcept override { return tracker_->params(); }
-  /// Poses are set and faults are made here.
+  /// Returns the far end, where poses and faults are set.
   SimTracker& far() noexcept { return *far_; }
 
  private:
@@ -25,12 +25,12 @@ class SimTrackerLink final : public TrackerLink {
   bool opened_ = false;
 };
 
-/// The scene's tracker with a far end that measures at this rate; null with errors. A tool's definition file is not
-/// read: any will do for the simulated one.
+/// Makes the scene's tracker with a simulated far end; null with errors. rate_hz: measurements per second.
+/// Tool definition files are not read, because the simulated tracker accepts any.
 std::unique_ptr<SimTrackerLink> make_sim_tracker_link(const TrackerParams& params, double rate_hz,
                                                       std::uint64_t seed, std::vector<std::string>& errors);
 
-/// The tool's pose in the tracker's frame that puts its target there: what the far end is to measure.
+/// Returns the tool pose in the tracker's frame for which its target is at X_WD; input of the far end.
 Pose tool_pose_for(const TrackerParams& params, std::size_t tool, const Pose& X_WD) noexcept;
 
 }  // namespace godobject

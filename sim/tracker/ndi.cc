@@ -22,7 +22,7 @@ std::span<const std::uint8_t> as_bytes(std::string_view text) noexcept {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// Text that grows in place; too much of it is cut off.
+/// Text that grows in place and is truncated at its capacity.
 class Text {
  public:
   explicit Text(std::span<std::uint8_t> out) noexcept : out_(out) {}
@@ -49,7 +49,7 @@ std::span<const std::uint8_t> finish(Text& text) noexcept {
   return text.bytes();
 }
 
-/// x in units that have this many digits.
+/// Returns x in multiples of `unit`, clamped to +-limit.
 int scaled(double x, double unit, int limit) noexcept { return saturate_to<int>(x / unit, -limit, limit); }
 
 void put_float(ByteWriter& out, double value) noexcept {
@@ -213,7 +213,7 @@ void SimNdi::answer_handle_command(std::string_view command, std::string_view pa
   send_text("OKAY", now);
 }
 
-/// 00 all, 01 to be freed, 02 not initialised, 03 initialised and not enabled, 04 enabled.
+/// Answers PHSR: 00 all, 01 to be freed, 02 not initialised, 03 initialised and not enabled, 04 enabled.
 void SimNdi::answer_phsr(std::string_view parameters, Nanoseconds now) noexcept {
   std::array<std::uint8_t, 2048> reply{};
   Text text(reply);
@@ -238,7 +238,7 @@ void SimNdi::answer_phsr(std::string_view parameters, Nanoseconds now) noexcept 
   send(finish(text), now);
 }
 
-/// The next passive tool gets the next free handle.
+/// Assigns the next free handle to the next passive tool.
 void SimNdi::answer_phrq(Nanoseconds now) noexcept {
   for (std::size_t i = 0; i < num_tools_; ++i) {
     if (ports_[i].handle || ports_[i].wired) continue;

@@ -1,5 +1,5 @@
-// A simulated NDI tracker: answers the commands of the Combined API that a host needs to get to poses, and refuses what
-// it is asked in the wrong order with the API's own errors.
+// Simulated NDI tracker: answers the commands of the Combined API that a host needs for poses. Refuses
+// commands in the wrong order with the API's own errors.
 #pragma once
 
 #include <optional>
@@ -13,21 +13,21 @@ namespace godobject {
 
 class SimNdi final : public SimTracker {
  public:
-  /// The tools that are named by a port handle are plugged in; the others exist once their definition was written.
+  /// Tools named by a port handle are plugged in; the others exist once their definition is written.
   SimNdi(const TrackerParams& params, double rate_hz, std::uint64_t seed);
 
   void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept override;
   void serial_break(Nanoseconds now) noexcept override;
-  /// Older firmware: BX is an invalid command.
+  /// Sets older firmware, for which BX is an invalid command.
   void set_text_only(bool text_only) noexcept { text_only_ = text_only; }
-  /// Adds tools that no scene has, from handle `first` on, seen in every reply with this pose, which need be
-  /// none.
+  /// Adds tools outside the scene, from handle `first` on, present in every reply. X: their pose, may be
+  /// invalid.
   void set_foreign_tools(std::uint8_t first, std::size_t count, const Pose& X) noexcept {
     first_foreign_ = first;
     num_foreign_ = count;
     X_foreign_ = X;
   }
-  /// Bytes of the definition that was written for a tool.
+  /// Returns the bytes of the definition written for a tool.
   std::size_t definition_size(std::size_t tool) const noexcept { return ports_[tool].written; }
 
  private:
@@ -62,7 +62,7 @@ class SimNdi final : public SimTracker {
   bool initialised_ = false, tracking_ = false, text_only_ = false;
 };
 
-/// Replies to TX:0801 and BX:0801 with these poses, as they go on the wire. Empty when `out` is too small.
+/// Make replies to TX:0801 and BX:0801 for the wire; empty if `out` is too small.
 std::span<const std::uint8_t> make_tx_reply(const ndi::PoseReply& reply,
                                             std::span<std::uint8_t> out) noexcept;
 std::span<const std::uint8_t> make_bx_reply(const ndi::PoseReply& reply,

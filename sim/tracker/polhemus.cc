@@ -17,7 +17,7 @@ SimPolhemus::SimPolhemus(const TrackerParams& params, double rate_hz, std::uint6
         std::clamp(std::strtol(params.tools[i].tool.c_str(), nullptr, 10), 1L, 16L));
 }
 
-/// Fastrak's commands are single characters, except those that take numbers; Liberty's end with CR.
+/// Receives commands. Fastrak's are single characters, except those with numbers; Liberty's end with CR.
 void SimPolhemus::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
   for (const std::uint8_t byte : bytes) {
     if (line_size_ == line_.size()) line_size_ = 0;
@@ -51,8 +51,8 @@ void SimPolhemus::obey(std::span<const std::uint8_t> command, Nanoseconds now) n
   has_format_[station] = text.substr(comma) == (fastrak ? ",2,11,0\r" : ",2,7,8,0\r");
 }
 
-/// True if it is a command that sets a frame: R, b, N, r, H of a Fastrak, ^R, ^B, N, G, H of a Liberty. Only
-/// resets and the hemisphere have an effect.
+/// Handles commands that set a frame: R, b, N, r, H of a Fastrak, ^R, ^B, N, G, H of a Liberty; returns false
+/// for others. Only resets and the hemisphere have an effect.
 bool SimPolhemus::set_frame(std::string_view text) noexcept {
   const bool fastrak = model_ == polhemus::Model::fastrak;
   const std::size_t kind = std::string_view(fastrak ? "RbNrH" : "\x12\x02NGH").find(text[0]);

@@ -1,5 +1,5 @@
-// A simulated Polhemus tracker: Fastrak or Liberty. It sends records after the command for them, as text
-// until the command for binary ones, and answers a command that it does not have with an error.
+// Simulated Polhemus tracker: Fastrak or Liberty. It sends records after the command for them, as text until
+// the command for binary ones. Unknown commands get an error.
 #pragma once
 
 #include <string_view>
@@ -11,12 +11,12 @@ namespace godobject {
 
 class SimPolhemus final : public SimTracker {
  public:
-  /// Settings of a station by which a tracker changes its poses; they outlive a host.
+  /// Settings of a station that transform its poses; they persist beyond a host.
   struct Saved {
-    Pose X_alignment{};                 // of the frame of records, in the source's
-    Quat boresight = Quat::Identity();  // turn of the sensor
+    Pose X_alignment{};                 // frame of the records in the source's frame
+    Quat boresight = Quat::Identity();  // rotation of the sensor
     Vec3 tip = Vec3::Zero();            // offset in the sensor's frame, m
-    Quat source = Quat::Identity();     // turn of the source
+    Quat source = Quat::Identity();     // rotation of the source
   };
 
   SimPolhemus(const TrackerParams& params, double rate_hz, std::uint64_t seed,
@@ -25,9 +25,9 @@ class SimPolhemus final : public SimTracker {
   void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept override;
 
   void save(std::size_t tool, const Saved& saved) noexcept { saved_[tool] = saved; }
-  /// Lets records be mirrored at the source where the sensor is outside the hemisphere.
+  /// Sets whether records are mirrored at the source while the sensor is outside the hemisphere.
   void set_half_space(bool half_space) noexcept { half_space_ = half_space; }
-  /// Lets it go on sending text, as one whose switches say so.
+  /// Sets whether it keeps sending text, as hardware switches can select.
   void set_text_only(bool text_only) noexcept { text_only_ = text_only; }
 
  private:

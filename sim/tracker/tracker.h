@@ -1,7 +1,5 @@
-// A simulated tracker: the far end of its serial line. Bytes go in, bytes come out, and it measures the poses it is
-// given at a rate of its own. Nothing here allocates after construction.
-//
-// The room: ndi.h and polhemus.h speak the protocols; link.h joins one to its Tracker; trackers.h moves all of a device's.
+// Simulated tracker: the far end of its serial line. Bytes in, bytes out; it measures the given poses at its
+// own rate. Nothing allocates after construction.
 #pragma once
 
 #include <array>
@@ -17,14 +15,14 @@
 
 namespace godobject {
 
-/// What goes wrong, until it is set back.
+/// Active faults, until reset.
 struct SimTrackerFaults {
   std::array<bool, max_tracked_tools> missing{};        // hidden
   std::array<bool, max_tracked_tools> disabled{};       // unplugged
   std::array<bool, max_tracked_tools> out_of_volume{};  // NDI only
   bool silent = false;                                  // nothing is sent
   double drop_probability = 0;                          // per message
-  double corrupt_probability = 0;                       // per message: one bit of it is flipped
+  double corrupt_probability = 0;                       // per message: one bit is flipped
   Nanoseconds delay = 0;                                // added to every message
 };
 
@@ -36,24 +34,24 @@ class SimTracker {
   SimTracker(double rate_hz, std::uint64_t seed) noexcept;
   virtual ~SimTracker() = default;
 
-  /// Bytes from the host.
+  /// Receives bytes from the host.
   virtual void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept = 0;
-  /// The host holds the line at 0.
+  /// Called when the host holds the line at 0.
   virtual void serial_break(Nanoseconds) noexcept {}
 
-  /// The tool's pose in the tracker's frame from now on.
+  /// Sets the tool's pose in the tracker's frame from now on.
   void set_pose(std::size_t tool, const Pose& X_TH) noexcept { poses_[tool] = X_TH; }
-  /// Measures when it is time to. Often enough: once per measurement at least.
+  /// Measures when due. Call it at least once per measurement.
   void advance(Nanoseconds now) noexcept;
-  /// Bytes that are on the line by now, as many as fit.
+  /// Writes the bytes sent by now, as many as fit; returns their number.
   std::size_t transmit(std::span<std::uint8_t> out, Nanoseconds now) noexcept;
 
   SimTrackerFaults faults{};
-  /// Messages that found the queue full and are lost.
+  /// Returns the number of messages lost because the queue was full.
   std::uint64_t lost_messages() const noexcept { return lost_messages_; }
 
  protected:
-  /// What was measured last.
+  /// The last measurement.
   struct Measurement {
     std::array<Pose, max_tracked_tools> poses{};
     std::uint32_t frame = 0;
@@ -61,7 +59,7 @@ class SimTracker {
   };
   const Measurement& measurement() const noexcept { return measurement_; }
   void restart_frames() noexcept { measurement_.frame = 0; }
-  /// After every measurement.
+  /// Called after every measurement.
   virtual void measured(Nanoseconds) noexcept {}
   void send(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept;
 
@@ -78,12 +76,12 @@ class SimTracker {
   Nanoseconds next_measurement_ = 0;
   bool started_ = false;
   FixedQueue<Message, 32> queue_;
-  std::size_t sent_ = 0;  // bytes of the first message
+  std::size_t sent_ = 0;  // sent bytes of the first message
   std::uint64_t lost_messages_ = 0;
   SplitMix64 random_;
 };
 
-/// The far end of the tracker that these parameters describe.
+/// Makes the far end of the tracker with these parameters.
 std::unique_ptr<SimTracker> make_sim_tracker(const TrackerParams& params, double rate_hz, std::uint64_t seed);
 
 }  // namespace godobject

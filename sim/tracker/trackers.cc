@@ -69,7 +69,7 @@ SimTrackerFaults SimTrackers::faults_of(std::size_t tracker) const noexcept {
       case FaultVerb::corrupt: faults.corrupt_probability = fault.value; break;
       case FaultVerb::delay: faults.delay = static_cast<Nanoseconds>(1e9 * fault.value); break;
       case FaultVerb::unplug: faults.silent = true; break;
-      default: break;  // resolve() finds no tracker for the others
+      default: break;  // resolve() accepts no other verb for a tracker
     }
   }
   return faults;

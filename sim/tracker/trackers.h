@@ -1,4 +1,4 @@
-// The far ends of a scene's trackers: their tools are moved by the hand, their faults played.
+// Far ends of a scene's trackers: moves their tools with the hand and injects their faults.
 #pragma once
 
 #include <memory>
@@ -13,38 +13,39 @@
 
 namespace godobject {
 
-/// Measurements per second of a simulated tracker: those of a Polaris (60 Hz) and a Fastrak with one station (120 Hz).
+/// Measurements per second of a simulated tracker: as a Polaris (60 Hz) and a Fastrak with one station (120
+/// Hz).
 constexpr double simulated_rate_hz(TrackerProtocol protocol) noexcept {
   return protocol == TrackerProtocol::ndi ? 60 : 120;
 }
 
 struct SimTrackersConfig {
   std::vector<TrackerParams> trackers;
-  std::vector<FaultConfig> faults;                // those that name no tracker are not for trackers
-  std::vector<std::vector<std::size_t>> targets;  // of the hand: what each tool of each tracker is
+  std::vector<FaultConfig> faults;                // entries that name no tracker are ignored
+  std::vector<std::vector<std::size_t>> targets;  // target of the hand for each tool of each tracker
 };
 
 class SimTrackers {
  public:
-  /// Faults that are active or wait at the same time, besides those of the config.
+  /// Maximum number of simultaneously active or waiting faults, besides those of the config.
   static constexpr std::size_t capacity = 64;
 
   struct Active {
     SimTrackerFault fault;
-    std::optional<Nanoseconds> t_end_ns;  // none: to the end
+    std::optional<Nanoseconds> t_end_ns;  // none: until the end
   };
 
-  /// far: one per tracker, in their order; they outlive this. Allocates; nothing later does.
+  /// far: one per tracker, in their order; they outlive this. Allocates; no other function does.
   SimTrackers(const SimTrackersConfig& config, std::shared_ptr<const Hand> hand,
               std::vector<SimTracker*> far);
 
-  /// Moves the tools to where they are at motion_time, begins and ends faults. At least once per measurement, before
-  /// the trackers' advance(now).
+  /// Moves the tools to their poses at motion_time, begins and ends faults. Call it at least once per
+  /// measurement, before the trackers' advance(now).
   void run(Nanoseconds now, double motion_time) noexcept;
 
-  /// From the next run() on, in which its motion time has come. False when full.
+  /// Schedules a fault from the next run() on whose motion time has reached its `at`. Returns false if full.
   [[nodiscard]] bool schedule(const SimTrackerFault& fault) noexcept;
-  /// Ends all that is active and forgets all that waits.
+  /// Ends all active faults and drops all waiting ones.
   void clear() noexcept;
   std::span<const Active> active() const noexcept { return active_; }
   std::uint64_t begun() const noexcept { return begun_; }
@@ -56,7 +57,7 @@ class SimTrackers {
 
   struct Tool {
     std::size_t tracker, index;
-    std::size_t target;  // of the hand
+    std::size_t target;  // target of the hand
   };
 
   std::vector<TrackerParams> params_;

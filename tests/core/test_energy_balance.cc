@@ -134,7 +134,7 @@ TEST(EnergyBalance, OfAJointedTool) {
 /// A weight on a hinge that the device leads, on a body that the device pulls; gravity and inertia are what it works against.
 template <class I>
 bool is_led_with_gain(unsigned seed) {
-  using S = Articulated<I, TreeJoints<None, ImposedJoints>>;
+  using S = Articulated<I, TreeJoints<None, PrescribedJoints>>;
   Random random(seed);
   const auto run = std::make_unique<Running<S>>();
   auto& par = run->par;
@@ -153,7 +153,7 @@ bool is_led_with_gain(unsigned seed) {
   joint.kind = JointKind::hinge;
   joint.parent = 0;
   joint.C.p = Vec3(-0.1, 0, 0);
-  joint.lead.imposed = true;
+  joint.motion.prescribed = true;
   EnergyBalance<S> balance;
   balance.start(par, run->x);
   const Real amplitude = random.uniform(0.1, 1.5), w = 2 * pi * random.log_uniform(0.2, 5);

@@ -72,9 +72,9 @@ TYPED_TEST(NoAllocation, NorAPageFaultAfterTheFirstSteps) {
 /// A tool of four bodies with stops, and jaws that are imposed.
 TEST(NoAllocationOfJoints, InAnyStep) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
-  GrasperTool<TrBdf2, TreeJoints<JointStops, ImposedJoints>> tool;
+  GrasperTool<TrBdf2, TreeJoints<JointStops, PrescribedJoints>> tool;
   tool.par.bodies[tube].joint.stop.stops[1] = {.upper = 0.05, .k = 1e4, .g = 10, .width = 1e-3};
-  for (const std::size_t i : {left_jaw, right_jaw}) tool.par.bodies[i].joint.lead.imposed = true;
+  for (const std::size_t i : {left_jaw, right_jaw}) tool.par.bodies[i].joint.motion.prescribed = true;
   AllocationGuard guard;
   for (int n = 0; n < 5000; ++n) {
     for (auto& device : tool.in.devices) disturb(device, n);

@@ -27,7 +27,7 @@ using Led = Composition<IntegratorPart, PoseDevice, DampedSpring, LimitedFeedbac
 /// A tool with every kind of joint, stops and an imposed joint.
 template <class IntegratorPart>
 struct Tool : Led<IntegratorPart, 7> {
-  using Joints = TreeJoints<JointStops, ImposedJoints>;
+  using Joints = TreeJoints<JointStops, PrescribedJoints>;
 };
 
 /// Two bodies on a hinge that touch a plane and a box.
@@ -92,7 +92,7 @@ void add_joint(Params<S>& par, std::size_t i) {
   joint.parent = i < 2 ? world : i - 2;
   joint.P.p = i < 2 ? Vec3(0.1, 0.2, 0.3) : Vec3(0, 0.01, 0.05);
   joint.C.p = Vec3(0.01, 0, -0.05);
-  joint.lead.imposed = i == 2;
+  joint.motion.prescribed = i == 2;
   if (kinds[i] == JointKind::hinge || kinds[i] == JointKind::universal)
     joint.stop.stops[0] = {.lower = -0.4, .upper = 0.3, .k = 20, .g = 0.1, .width = 0.05};
 }
@@ -172,7 +172,7 @@ void set_up(Params<S>& par, State<S>& x) {
   for (std::size_t i = 0; i < S::max_bodies; ++i) {
     BodyParams<S>& body = par.bodies[i];
     body.body = rigid_body(i == 0 ? 0.2 : 0.7, I_B);
-    if constexpr (imposes<S>) add_joint(par, i);
+    if constexpr (prescribes<S>) add_joint(par, i);
     if constexpr (uses<typename S::Coupling>) body.coupling = {.k = 1500, .g = 30, .k_r = 4, .g_r = 0.2};
     if constexpr (uses<typename S::Feedback>) body.feedback.gains = {.k = 800, .g = 1, .k_r = 1, .g_r = 0.02};
     place(x, i,
@@ -194,7 +194,7 @@ void print_hash(const char* name) {
   std::size_t num_contacts = 0;
   for (int n = 0; n < num_steps; ++n) {
     for (std::size_t i = 0; i < S::max_bodies; ++i) move(in.devices[i], n + 250 * static_cast<int>(i));
-    if constexpr (imposes<S>) in.joints[2].q[0] = 0.5 * tangent(n);
+    if constexpr (prescribes<S>) in.joints[2].q[0] = 0.5 * tangent(n);
     step(par, in, x, w, out);
     if (any(out.fault) && out.fault != Fault::contacts_full) std::printf("fault in step %d\n", n);
     outputs.add(out.bodies[1].X_WB);
@@ -222,7 +222,7 @@ void print_hashes() {
   print_hash<Tool<Integrator>>("  joints");
   print_hash<Touching<Integrator>>("  contacts");
   print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
-  print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, ImposedJoints>>>(
+  print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, PrescribedJoints>>>(
       "  contacts between tools");
   print_hash<Netted<Integrator>>("  nets");
 }

@@ -63,10 +63,10 @@ template struct Probe<Composition<ImplicitEuler, AdmittanceDevice, None, None>>;
 template struct Probe<Composition<ImplicitEuler, AdmittanceDevice, DampedSpring, None>>;
 template struct Probe<Composition<ImplicitEuler, AdmittanceDevice, DampedSpring, LimitedFeedback>>;
 template struct Probe<Composition<ImplicitEuler, PoseDevice, DampedSpring, LimitedFeedback,
-                                  TreeJoints<JointStops, ImposedJoints>>>;
+                                  TreeJoints<JointStops, PrescribedJoints>>>;
 template struct Probe<Composition<TrBdf2, None, None, None>>;
 template struct Probe<
-    Composition<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback, TreeJoints<JointStops, ImposedJoints>>>;
+    Composition<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback, TreeJoints<JointStops, PrescribedJoints>>>;
 template struct Probe<Composition<TrBdf2, PoseDevice, DampedSpring, None>>;
 template struct Probe<Composition<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>>;
 template struct Probe<Composition<TrBdf2, RelativeDevice, DampedSpring, None>>;

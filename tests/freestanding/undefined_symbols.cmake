@@ -1,5 +1,5 @@
-# Lists what an archive leaves to the linker; anything but plain memory copies is an error.
-#   cmake -DNM=nm -DARCHIVE=libx.a -P undefined_symbols.cmake
+# Lists the undefined symbols of an archive; all but plain memory copies are errors.
+# cmake -DNM=nm -DARCHIVE=libx.a -P undefined_symbols.cmake
 cmake_minimum_required(VERSION 3.25)
 set(allowed memcpy memset memmove)
 

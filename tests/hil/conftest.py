@@ -1,4 +1,4 @@
-"""Fixtures: a rig, its host and an outsider on one bus. Which bus: --tier or --hardware; see README.md."""
+"""Fixtures: a rig, its host and an outsider on one bus, selected by --tier or --hardware; see README.md."""
 import os
 import shutil
 from pathlib import Path
@@ -11,8 +11,8 @@ import godobject_hil as hil
 from slcan_bus import SlcanBus
 
 HERE = Path(__file__).parent
-BUS = "can0"  # of the scene
-ATTEMPTS = 4  # of a host that a busy machine left without its processor
+BUS = "can0"  # name in the scene
+ATTEMPTS = 4  # limit of repeats after a busy machine has stalled the host
 
 
 def pytest_addoption(parser):
@@ -42,7 +42,7 @@ def pytest_runtest_logreport(report):
 
 @pytest.fixture(autouse=True)
 def tier(request, record_property):
-    """Where the test runs: in its report."""
+    """Name of the tier, recorded in the report of the test."""
     name = tier_of(request.config)
     record_property("tier", name)
     return name
@@ -68,14 +68,14 @@ def motion():
 
 
 def start_simulated(program, scene, tier, motion):
-    """The simulator, the address for the host, and the outsider's bus."""
+    """Starts the simulator. Returns it, the address for the host, and the outsider's bus."""
     arguments = ["--motion", motion] if motion else []
     if tier == "pty":
         simulator = hil.Simulator(program, scene, ["--realtime", "--bus", "pty", "--tap", "pty", *arguments])
         address = "slcan:" + simulator.buses[BUS]
         outside = SlcanBus(simulator.taps[BUS])
     else:
-        # Not --realtime: in a guest with one processor it would leave the outsider none.
+        # Not --realtime, otherwise the outsider gets no time in a guest with one processor.
         simulator = hil.Simulator(program, scene, ["--bus", f"{BUS}=socketcan:vcan0", *arguments])
         address = "socketcan:vcan0"
         outside = can.Bus(interface="socketcan", channel="vcan0")
@@ -100,7 +100,7 @@ def rig(request, program, scene, tier, motion):
 
 @pytest.fixture
 def simulator(rig):
-    """For tests that play faults: there is none on hardware."""
+    """Simulator for tests that inject faults; they are skipped on hardware."""
     if rig.simulator is None:
         pytest.skip("plays faults: only on a simulated rig")
     return rig.simulator
@@ -113,7 +113,7 @@ def outsider(rig):
 
 @pytest.fixture
 def start_host(rig, program, scene, tmp_path):
-    """Starts `godobject run`; it is stopped at the end of the test, if that did not."""
+    """Starts `godobject run`; stops it at the end of the test if it still runs."""
     hosts = []
 
     def start(*arguments):
@@ -147,7 +147,7 @@ def host(start_enabled):
 
 
 def became_enabled(outsider, host, mark, timeout_s=15):
-    """False when it ended by itself."""
+    """Waits for both drives; returns False if the host ended by itself."""
     def enabled():
         drives = {f.node: f.drive_state for f in outsider.since(mark, kind=hil.TPDO1) if len(f.data) == 8}
         return len(drives) == 2 and set(drives.values()) == {"operation enabled"}

@@ -1,4 +1,4 @@
-"""The table of docs/faults.md that promises what a rig does about each fault, for a rig on one bus."""
+"""Table of docs/faults.md with the reaction of a rig to each fault, for a rig on one bus."""
 import dataclasses
 import re
 import tomllib
@@ -6,21 +6,21 @@ from pathlib import Path
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "faults.md"
 BEGIN, END = "<!-- fault promises: begin -->", "<!-- fault promises: end -->"
-# Where the scene says nothing (docs/scenes.md).
+# Defaults of keys missing in the scene (docs/scenes.md), s.
 DEFAULTS = {"stale_after": 3e-3, "lost_after": 0.1, "heartbeat_timeout": 0.5}
-TRAVEL_S = 1.5  # in which every joint of the scene moves by its max_slip
+TRAVEL_S = 1.5  # time in which every joint of the scene moves by its max_slip
 
 
 @dataclasses.dataclass(frozen=True)
 class Promise:
-    played: str  # as the table has it
-    always: dict  # name of the fault: the time in words
+    played: str  # words in the table
+    always: dict  # name of the fault: its time, as text
     maybe: frozenset
     motors: str  # "torque stays", "run down", "watchdog"
 
 
 def promises():
-    """The rows of the table."""
+    """Returns the rows of the table."""
     table = DOCUMENT.read_text().partition(BEGIN)[2].partition(END)[0]
     rows = [[cell.strip() for cell in line.strip("|\n").split("|")]
             for line in table.splitlines() if line.startswith("| `")]
@@ -30,7 +30,7 @@ def promises():
 
 
 class Times:
-    """Seconds of a scene."""
+    """Times of a scene, s."""
 
     def __init__(self, scene):
         self.scene = tomllib.loads(Path(scene).read_text())
@@ -41,16 +41,16 @@ class Times:
 
     @property
     def loss(self):
-        """Until a sample is lost for good."""
+        """Time until a missing sample is a fault."""
         return self.keys["stale_after"] + self.keys["lost_after"]
 
     @property
     def ramp(self):
-        """Until the torque of every drive has run down."""
+        """Time in which the torque of every drive ramps down."""
         return max(d["torque_max_Nm"] / d["torque_rate_Nm_per_s"] for d in self.scene["device"]["drive"])
 
     def of(self, words, duration=0):
-        """Of "2 `heartbeat_timeout` + 2 cycles"."""
+        """Returns the time of a text like "2 `heartbeat_timeout` + 2 cycles"."""
         if "travel" in words:
             return TRAVEL_S
         known = self.keys | {"duration": duration}
@@ -64,7 +64,7 @@ class Times:
 
 
 def words_for(promise, times):
-    """What is played on the rig of rig.toml: encoders are nodes 1 and 2, the first drive is 11."""
+    """Returns the fault in the words for rig.toml: encoders are nodes 1 and 2, the first drive is 11."""
     words = (promise.played.replace("ENCODER", "bus=can0 node=1").replace("DRIVE", "bus=can0 node=11")
              .replace("OTHER", "2"))
     for key in ("stale_after", "lost_after"):

@@ -1,5 +1,5 @@
-"""What a hardware-in-the-loop test of godobject needs: the programs on both ends of a bus, an outsider that
-listens, CANopen frames in words, faults, and waits that end.
+"""Tools for hardware-in-the-loop tests of godobject: the programs on both ends of a bus, an outsider that
+listens, decoded CANopen frames, faults, and waits with a timeout.
 
 Works on a simulated rig (pseudo-terminals or vcan) and on real hardware; see README.md.
 """
@@ -31,11 +31,11 @@ DRIVE_STATES = ((0x004F, 0x0000, "not ready to switch on"), (0x004F, 0x0040, "sw
 @dataclasses.dataclass(frozen=True)
 class Frame:
     """One CAN frame with its CANopen meaning (predefined connection set, CiA 301)."""
-    time: float  # s, when the outsider had it
+    time: float  # s, of reception by the outsider
     id: int
     data: bytes
     kind: str
-    node: int  # 0: all, or none
+    node: int  # 0: all nodes, or none
 
     @property
     def nmt_state(self):
@@ -51,23 +51,23 @@ class Frame:
 
     @property
     def target_per_mille(self):
-        """Of an RPDO1: target torque 6071h."""
+        """Target torque 6071h of an RPDO1, per mille."""
         return struct.unpack_from("<h", self.data, 2)[0]
 
     @property
     def drive_state(self):
-        """Of a drive's TPDO1."""
+        """State in a drive's TPDO1."""
         word = struct.unpack_from("<H", self.data)[0]
         return next((name for mask, value, name in DRIVE_STATES if word & mask == value), "unknown")
 
     @property
     def actual_per_mille(self):
-        """Of a drive's TPDO1: actual torque 6077h."""
+        """Actual torque 6077h in a drive's TPDO1, per mille."""
         return struct.unpack_from("<h", self.data, 6)[0]
 
     @property
     def position_counts(self):
-        """Of an encoder's TPDO1 (6004h), or of a drive's (6064h)."""
+        """Position in an encoder's TPDO1 (6004h), or in a drive's (6064h)."""
         return struct.unpack_from("<I", self.data)[0] if len(self.data) == 4 else struct.unpack_from(
             "<i", self.data, 2)[0]
 
@@ -77,7 +77,7 @@ class Frame:
 
 
 def decode(message):
-    """A Frame from a python-can message."""
+    """Returns the Frame of a python-can message."""
     function, node = message.arbitration_id & 0x780, message.arbitration_id & 0x7F
     kind = OTHER
     if not message.is_extended_id and not message.is_remote_frame and not message.is_error_frame:
@@ -95,7 +95,7 @@ class TimedOut(AssertionError):
 
 
 def wait_for(condition, timeout_s, what):
-    """The first true value of condition(), or TimedOut."""
+    """Returns the first true value of condition(); raises TimedOut."""
     end = time.monotonic() + timeout_s
     while True:
         value = condition()
@@ -107,11 +107,11 @@ def wait_for(condition, timeout_s, what):
 
 
 class Outsider:
-    """Listens on a bus in a thread of its own, and can send."""
+    """Listens on a bus in its own thread, and can send."""
 
     def __init__(self, bus):
-        self.bus = bus  # of python-can
-        self.frames = []  # only ever appended to
+        self.bus = bus  # python-can bus
+        self.frames = []  # append-only
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._listen, daemon=True)
         self._thread.start()
@@ -126,14 +126,14 @@ class Outsider:
                 self.frames.append(decode(message))
 
     def mark(self):
-        """A place in the frames; since(mark) are those that came later."""
+        """Returns a position in the frames; since(mark) returns the later ones."""
         return len(self.frames)
 
     def since(self, mark, **wanted):
         return [f for f in self.frames[mark:] if all(getattr(f, k) == v for k, v in wanted.items())]
 
     def wait_for(self, condition, timeout_s, what, mark=0):
-        """The first frame since `mark` for which condition(frame) holds."""
+        """Returns the first frame since `mark` for which condition(frame) holds."""
         return wait_for(lambda: next((f for f in self.frames[mark:] if condition(f)), None), timeout_s, what)
 
     def send(self, cob_id, data=b""):
@@ -146,7 +146,7 @@ class Outsider:
 
 
 class Process:
-    """A program with its output in a file, ended by a signal within a time."""
+    """A program with its output in a file, ended by a signal with a timeout."""
 
     def __init__(self, command, **popen):
         self.command = [str(c) for c in command]
@@ -161,7 +161,7 @@ class Process:
         return self.errors.read()
 
     def stop(self, timeout_s=10):
-        """SIGINT, and the exit code; killed and None when that is not enough."""
+        """Sends SIGINT and returns the exit code; after timeout_s kills the program and returns None."""
         if self.running():
             self.popen.send_signal(signal.SIGINT)
         try:
@@ -194,7 +194,7 @@ class Simulator(Process):
         return reply
 
     def fault(self, words):
-        """Plays a fault, e.g. "drop bus=can0 node=4 value=0.1 duration=0.5". See docs/faults.md."""
+        """Injects a fault, e.g. "drop bus=can0 node=4 value=0.1 duration=0.5". See docs/faults.md."""
         return self.command_line("fault " + words)
 
     def clear(self):
@@ -204,7 +204,7 @@ class Simulator(Process):
         return self.command_line("status")
 
     def torque_Nm(self):
-        """The largest absolute torque that a motor makes."""
+        """Returns the largest absolute torque of a motor, N m."""
         return max((abs(d["torque_Nm"]) for d in self.status()["drives"]), default=0)
 
 
@@ -221,7 +221,7 @@ class Host(Process):
         return json.loads(self.report_path.read_text())
 
     def faults(self):
-        """Names of the faults that came up in the run, which has ended."""
+        """Returns the names of the faults of the run, which must have ended."""
         return {fault["name"] for fault in self.report()["faults"]}
 
     def fault_text(self):
@@ -229,21 +229,21 @@ class Host(Process):
 
 
 def is_sanitized(program):
-    """Whether a sanitizer makes the program several times slower, and takes time of its own at the end."""
+    """True if the program has a sanitizer, which makes it several times slower and delays its end."""
     code = Path(program).read_bytes()
     return b"__tsan_init" in code or b"__asan_init" in code
 
 
 def was_starved(host):
-    """What a machine that leaves programs without their processor does to a run, with no fault played: a drive hears
-    nothing for its `deadline_ms`, or the host hears nothing for `stale_after`. The run has ended."""
+    """True if the faults of an ended run are those of a stalling machine, without an injected fault: a drive received
+    no command for its `deadline_ms`, or the host no answer for `stale_after`."""
     faults = host.faults()
     watchdog = faults == {"emergency"} and "0x8250" in host.fault_text()
     return watchdog or (bool(faults) and faults <= {"drive_silent", "sample_stale", "held"})
 
 
 def read_candump(path):
-    """(interface, id, data) for each frame of a candump log."""
+    """Yields (interface, id, data) for each frame of a candump log."""
     for line in Path(path).read_text().splitlines():
         if not line.startswith("("):
             continue

@@ -1,4 +1,4 @@
-"""Runs the suite with pytest, its options passed on; 77, with the reason, where a package is missing."""
+"""Runs the suite with pytest and passes its options on; exits with 77 and the reason if a package is missing."""
 import importlib.util
 import sys
 from pathlib import Path

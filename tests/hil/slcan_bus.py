@@ -1,5 +1,5 @@
-"""SLCAN on a terminal for python-can. Its own slcan interface (4.1) reads byte by byte, with three system calls for
-each: too slow to listen to a rig."""
+"""SLCAN on a terminal for python-can. The slcan interface of python-can 4.1 needs three system calls per byte,
+which is too slow for a rig."""
 import os
 import re
 import select
@@ -12,7 +12,7 @@ FRAME = re.compile(rb"t([0-9A-Fa-f]{3})([0-8])((?:[0-9A-Fa-f]{2})*)$|T([0-9A-Fa-
 
 
 class SlcanBus(can.BusABC):
-    """Data frames of an adapter, or of a godobject pty; bit_rate_code: S0 to S8, 8 is 1 Mbit/s."""
+    """Data frames of an adapter or of a godobject pty. bit_rate_code: S0 to S8, 8 is 1 Mbit/s."""
 
     def __init__(self, channel, bit_rate_code=8, **kwargs):
         self.channel_info = f"slcan {channel}"

@@ -1,4 +1,4 @@
-"""The table of docs/faults.md on the wire: every fault, what it promises, in its time."""
+"""Table of docs/faults.md on the wire: every fault, its promised reaction, within its time."""
 import pytest
 
 import godobject_hil as hil
@@ -6,12 +6,12 @@ from conftest import ATTEMPTS
 from fault_promises import Times, duration_of, promises, words_for
 
 WATCHDOG_S = 0.1  # deadline_ms of patient-402.toml
-# From a command on standard input to the cycle in which it is played, and a machine that wakes a program late.
+# Delay from a command on standard input to the cycle of its injection, with margin for a late wake-up.
 LATE_S = 0.05
-MORE_S = 0.4  # that is watched besides
-# Of the host's end of the bus: its controller is not the simulated one.
+MORE_S = 0.4  # additional observation time
+# Faults of the host's port: not injected here, because its controller is not the simulated one.
 NOT_OVER_A_BUS = {"bus_down"}
-# What a machine that is busy adds to a run, or takes for the fault.
+# Faults that a busy machine may add, or cause in place of the injected one.
 STARVED = {"sample_stale", "drive_silent", "emergency", "drive_not_enabled", "deadlines_missed"}
 
 
@@ -36,7 +36,7 @@ def test_promise_is_kept(promise, start_enabled, simulator, scene):
         if as_promised and in_time:
             return
         assert names ^ always <= STARVED | promise.maybe, host.fault_text()
-        # A late zero is repeated only where the run itself was late: a torque that stays must not pass at a later try.
+        # A late zero is repeated only if the run was late, otherwise persisting torque could pass a retry.
         assert not as_promised or missed_deadlines(host), late_text(words, promise, times, zero_after_s, host)
     pytest.fail(f"{ATTEMPTS} times; the last: " + late_text(words, promise, times, zero_after_s, host))
 
@@ -51,7 +51,7 @@ def late_text(words, promise, times, zero_after_s, host):
 
 
 def zero_within(words, promise, times):
-    """From the fault to the last torque."""
+    """Returns the promised time from the fault to the last torque, s."""
     if not promise.always:
         return 0
     seen = min(times.of(within, duration_of(words)) for name, within in promise.always.items()
@@ -61,7 +61,7 @@ def zero_within(words, promise, times):
 
 
 def pulls(simulator):
-    """Whether there is torque, which the fault is to take away."""
+    """True if there is torque, which the fault must remove."""
     try:
         return hil.wait_for(lambda: simulator.torque_Nm() > 0, 5, "torque before the fault")
     except hil.TimedOut:
@@ -69,7 +69,7 @@ def pulls(simulator):
 
 
 def play(words, promise, times, simulator):
-    """The time from the fault to the last torque, watched until all that is promised should have come."""
+    """Injects a fault and returns the time to the last torque, s; observes until all promised times are over."""
     started = simulator.fault(words)["t_s"]
     longest = max((times.of(within, duration_of(words)) for within in promise.always.values()), default=0)
     end = started + longest + MORE_S
@@ -82,7 +82,7 @@ def last_torque_s(status):
 
 
 def test_unknown_fault_is_refused(simulator):
-    with pytest.raises(AssertionError, match="no verb"):
+    with pytest.raises(AssertionError, match="unknown verb"):
         simulator.fault("dorp bus=can0")
 
 

@@ -1,11 +1,11 @@
-"""A host that does not run for a moment: haptics go on."""
+"""Short stalls of the host: haptics continue."""
 import signal
 import time
 
 import godobject_hil as hil
 from conftest import ATTEMPTS
 
-STEP_S = 0.01  # of rig.toml
+STEP_S = 0.01  # step in rig.toml
 PAUSES = 13
 PAUSE_S = 3 * STEP_S
 

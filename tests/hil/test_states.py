@@ -1,4 +1,4 @@
-"""NMT and CiA 402 state machines as they show on the wire, from power-up to shut-down."""
+"""NMT and CiA 402 state machines on the wire, from power-up to shut-down."""
 import godobject_hil as hil
 
 ENCODERS, DRIVES = (1, 2), (11, 12)
@@ -48,7 +48,7 @@ def test_killed_host_leaves_motors_at_zero(host, outsider, simulator):
     host.popen.wait()
     hil.wait_for(lambda: simulator.torque_Nm() == 0, 1, "motors at zero: the drives' own watchdog")
     emergency = outsider.wait_for(lambda f: f.kind == hil.EMCY and f.node in DRIVES, 5, "EMCY of a drive")
-    assert emergency.emcy_code == 0x8250  # RPDO timeout (CiA 301), or 8130h where the heartbeat is watched
+    assert emergency.emcy_code == 0x8250  # RPDO timeout (CiA 301); 8130h if it supervises the heartbeat
 
 
 def test_second_host_takes_over(host, start_enabled):

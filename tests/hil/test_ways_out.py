@@ -1,5 +1,5 @@
-"""Every way out of `godobject run`, from the wire: the last frames and the time to zero torque that the table "Ways out"
-of docs/faults.md promises. Each row of the table has its test here, or names the one that it has elsewhere."""
+"""Every way out of `godobject run` on the wire: the last frames and the time to zero torque promised in the table
+"Ways out" of docs/faults.md. Each row has its test here, or is listed in ELSEWHERE."""
 import os
 import pty
 import re
@@ -16,16 +16,16 @@ import godobject_hil as hil
 from conftest import ATTEMPTS, became_enabled
 
 SOURCE = Path(__file__).parents[2]
-STEP_S = 0.01  # of rig.toml
+STEP_S = 0.01  # step in rig.toml
 RATED_NM = 0.1
-RATE_NM_PER_S = 0.005  # far below that of rig.toml: running down takes 0.2 s and more, and can be told from a stop
-DEADLINE_S = 0.1  # of patient-402.toml: the drives' watchdog
-SLACK_S = {"pty": 0.08, "vcan": 0.5}  # for the programs between the host and this one: in a guest they share a processor
-END_S = 6  # a terminal that was stopped is waited for, for 4.5 s in all
+RATE_NM_PER_S = 0.005  # far below that of rig.toml: ramps of 0.2 s or more are distinguishable from a stop
+DEADLINE_S = 0.1  # watchdog of the drives in patient-402.toml
+SLACK_S = {"pty": 0.08, "vcan": 0.5}  # delays of the programs in between, which share a processor in a guest
+END_S = 6  # includes up to 4.5 s of waiting for a stopped terminal
 NODES = (1, 2, 11, 12)
 DRIVES = (11, 12)
 
-# Programs are made to die of SIGSEGV here: no core files.
+# No core files, because tests kill programs by SIGSEGV.
 resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
 
 RUN_DOWN = ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGALRM", "SIGVTALRM", "SIGPROF", "SIGUSR1", "SIGUSR2",
@@ -38,11 +38,11 @@ OTHERS = ["last cycle", "second signal", "fault of the rig"]
 ELSEWHERE = {"terminate": "LastResort.TerminateWritesTheLastFrames",
              "exception": "LastResort.AnExceptionThatEscapesWritesTheLastFrames",
              "stack overflow": "LastResort.AStackOverflowWritesTheLastFrames",
-             "power loss": ""}  # nothing of the host acts: what SIGKILL shows
+             "power loss": ""}  # the host cannot act, as for SIGKILL
 
 
 def table():
-    """name: (last frames, time to zero torque), for each name in the table's first column."""
+    """Returns {name: (last frames, time to zero torque)} for each name in the table's first column."""
     text = (SOURCE / "docs/faults.md").read_text().split("<!-- ways out: begin -->")[1]
     rows = text.split("<!-- ways out: end -->")[0].strip().splitlines()[2:]
     ways = {}
@@ -69,7 +69,7 @@ def scene(tmp_path):
 
 
 class Run:
-    """A run that commands torque, and what came of it on the bus."""
+    """A run that commands torque, and its frames on the bus."""
 
     def __init__(self, outsider, host, mark, slack_s, end_s):
         self.outsider, self.host, self.mark, self.slack_s, self.end_s = outsider, host, mark, slack_s, end_s
@@ -83,10 +83,10 @@ class Run:
                                f"{per_mille} per mille of torque", mark)
 
     def now(self):
-        """The place and time of an event, and how long its torque takes to run down."""
+        """Returns position in the frames, time and ramp-down time of an event that happens now."""
         last = {f.node: f for f in self.commands(self.mark)}
         torque_Nm = max(abs(f.target_per_mille) for f in last.values()) * 1e-3 * RATED_NM
-        # What is on its way or comes in the cycle at hand may be more.
+        # Commands in transit or of the present cycle may have more torque.
         return self.outsider.mark(), time.time(), torque_Nm / RATE_NM_PER_S + 2 * STEP_S
 
     def expect_zero(self, way, event):
@@ -100,7 +100,7 @@ class Run:
                          f"promised: {promised} = {within_s:.3f} s"
 
     def expect_last_frames(self, mark):
-        """Disable voltage with no torque to every drive, pre-operational to every node, nothing after."""
+        """Expects disable voltage with zero torque to every drive, then pre-operational to every node, then no frame."""
         time.sleep(0.1)
         of_host = [f for f in self.outsider.since(mark)
                    if f.kind in (hil.SYNC, hil.NMT, hil.RPDO1) or f.kind == hil.HEARTBEAT and f.node not in NODES]
@@ -110,7 +110,7 @@ class Run:
             [(hil.NMT, node, "pre-operational", 0) for node in NODES]
 
     def end(self, timeout_s=8):
-        """Ends it, and says how."""
+        """Ends the run and returns its exit code."""
         self.host.popen.send_signal(signal.SIGTERM)
         return self.host.popen.wait(timeout_s)
 
@@ -132,7 +132,7 @@ def start(rig, program, scene, tier, tmp_path):
                 try:
                     run.wait_for_torque()
                     return run
-                except hil.TimedOut:  # in fault: the machine left it without its processor
+                except hil.TimedOut:  # in fault, because the machine stalled it
                     run.end()
         pytest.fail(f"godobject run commanded no torque {ATTEMPTS} times")
 
@@ -144,7 +144,7 @@ def start(rig, program, scene, tier, tmp_path):
 
 
 class PlainHost:
-    """`godobject run` with outputs of the test's own."""
+    """`godobject run` with output streams chosen by the test."""
 
     def __init__(self, program, scene, address, folder, arguments, popen):
         self.report_path = Path(folder) / "report.json"
@@ -204,7 +204,7 @@ def test_a_defect_leaves_time_for_the_last_frames(start, name):
     assert run.host.popen.wait(8) == -number(name)
     run.expect_zero(name, event)
     run.expect_last_frames(event[0])
-    assert f"ended by {name}; the drives were told" in run.host.error_text()
+    assert f"ended by {name}; the drives were commanded" in run.host.error_text()
 
 
 @pytest.mark.parametrize("name", IGNORED)
@@ -233,7 +233,7 @@ def test_what_the_host_does_not_notice_is_the_drives(start, rig, name):
 
 
 def ends_nothing(run, event, seconds=0.5):
-    """The run goes on and commands torque, then ends in time as any other."""
+    """Expects that the run continues to command torque, then ends in time. Returns the exit code."""
     time.sleep(seconds)
     run.wait_for_torque()
     assert not run.outsider.since(event, kind=hil.NMT)
@@ -329,7 +329,7 @@ def test_rearming_is_told(start, rig):
     mark = run.outsider.mark()
     rig.simulator.fault("emcy bus=can0 node=1 value=0x5000")
 
-    def told():  # at its place: the program writes at that of the file
+    def told():  # pread, because the program writes at the position of the file
         text = os.pread(run.host.errors.fileno(), 1 << 20, 0).decode()
         return re.findall(r"^at \d+\.\d+ s: (FAULT emergency|the device is lost|ARMED again)", text, re.M)
 

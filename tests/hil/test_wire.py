@@ -1,4 +1,4 @@
-"""The bus as an outsider sees it while the rig works: order and timing of frames, sense of the torque, record."""
+"""The bus observed by an outsider: order and timing of frames of a working rig, sign of the torque, record."""
 from collections import Counter
 from statistics import median
 import shutil
@@ -8,19 +8,19 @@ import pytest
 
 import godobject_hil as hil
 
-PERIOD_S = 10e-3  # of rig.toml
+PERIOD_S = 10e-3  # step in rig.toml
 ENCODERS, DRIVES = (1, 2), (11, 12)
 
 
 def cycles_of(frames):
-    """Lists of frames that begin with a SYNC."""
+    """Returns lists of frames, each beginning with a SYNC."""
     cycles = []
     for frame in frames:
         if frame.kind == hil.SYNC:
             cycles.append([])
         if cycles:
             cycles[-1].append(frame)
-    return cycles[:-1]  # the last one is not over
+    return cycles[:-1]  # the last one is incomplete
 
 
 def some_cycles(outsider, count=300):
@@ -30,7 +30,7 @@ def some_cycles(outsider, count=300):
 
 
 def timely(cycle):
-    """Whether the machine let the nodes answer in a quarter of the period: what is late is late to the host too."""
+    """True if all nodes answered within a quarter of the period; later answers are late for the host too."""
     answers = [f.time for f in cycle if f.kind == hil.TPDO1]
     return len(answers) == len(ENCODERS + DRIVES) and answers[-1] - cycle[0].time < PERIOD_S / 4
 
@@ -43,7 +43,7 @@ def test_a_cycle_is_sync_then_answers_then_commands(host, outsider):
     assert len(cycles) >= 50, f"{len(cycles)} of 300 cycles were answered in time"
     wanted = [hil.SYNC] + [hil.TPDO1] * len(ENCODERS + DRIVES) + [hil.RPDO1] * len(DRIVES)
     in_order = [[f.kind for f in cycle if f.kind in wanted] == wanted for cycle in cycles]
-    # A host that wakes late itself commands late, and then too soon for the cycle after.
+    # A host that wakes late sends its commands late, and then early in the next cycle.
     assert sum(in_order) >= 0.9 * len(cycles)
 
 
@@ -59,9 +59,9 @@ def test_every_node_answers_every_sync_once(host, outsider):
 def test_sync_keeps_its_period(host, outsider, tier):
     syncs = [cycle[0].time for cycle in some_cycles(outsider, 500)]
     periods = [b - a for a, b in zip(syncs, syncs[1:])]
-    if tier != "pty":  # there the times are those at which the outsider came to read: only their mean counts
+    if tier != "pty":  # times on a pty are those of reading, so only their mean is checked
         assert median(periods) == pytest.approx(PERIOD_S, rel=0.05)
-    # Whole periods that were left out make it longer, never shorter.
+    # Skipped periods make the mean longer, never shorter.
     assert 0.95 * PERIOD_S <= (syncs[-1] - syncs[0]) / len(periods) < 1.5 * PERIOD_S
 
 
@@ -71,8 +71,8 @@ def test_host_sends_its_heartbeat(host, outsider):
 
 
 def test_torque_is_against_the_hand(host, outsider):
-    """A hand that speeds up to one side feels the body stay behind: torque to the other side."""
-    lag, least = 5, 20  # cycles between the positions whose second difference is taken; counts
+    """A hand that accelerates to one side receives torque to the other side, because the body lags."""
+    lag, least = 5, 20  # spacing of the positions in the second difference, cycles; threshold, counts
     against, along = Counter(), Counter()
     for _ in range(15):
         cycles = some_cycles(outsider, 300)
@@ -86,10 +86,10 @@ def test_torque_is_against_the_hand(host, outsider):
                     continue
                 speeds_up = p - 2 * q + r > 0
                 (against if speeds_up == (torque < 0) else along)[drive, speeds_up] += 1
-        if len(against) == 4 and min(against.values()) > 30:  # both joints, both ways
+        if len(against) == 4 and min(against.values()) > 30:  # both joints, both directions
             break
     assert len(against) == 4, f"torque was only seen on {sorted(against)}"
-    # Cycles that a busy machine mixed up count to either side; a wrong sign would turn all of them round.
+    # Cycles disordered by a busy machine count on either side; a wrong sign would invert all of them.
     assert 3 * sum(along.values()) < sum(against.values()), f"along: {along}, against: {against}"
 
 
@@ -105,18 +105,18 @@ def test_record_is_what_an_outsider_hears(start_host, outsider, tmp_path):
         return frames if len(frames) >= len(recorded) else None
 
     heard = hil.wait_for(heard, 5, "all frames of the record")
-    # Frame for frame: the same ones, and each sender's in the same order. (Between senders the order is that of
-    # their ends of the bus: frames that were on their way at the same time may pass each other.)
+    # Both contain equal frames, those of each sender in equal order. The order between senders may differ,
+    # because simultaneous frames may pass each other.
     by_id = lambda frames: {i: [d for j, d in frames if i == j] for i in {j for j, _ in frames}}
     ours, theirs = by_id(recorded), by_id(heard)
     for cob_id, data in ours.items():
         them = theirs.get(cob_id, [])
-        # Nodes speak before the host listens, and after it has gone.
+        # Nodes send before the host listens and after it has ended.
         assert any(them[i:i + len(data)] == data for i in range(len(them) - len(data) + 1)), hex(cob_id)
 
 
 def test_record_is_candumps_log_frame_for_frame(start_host, rig, tier, tmp_path):
-    """One kernel hands both the same frames in the same order, own ones included."""
+    """Both receive equal frames in equal order from one kernel, including own frames."""
     if tier == "pty":
         pytest.skip("candump listens to SocketCAN only")
     if not shutil.which("candump"):
@@ -130,6 +130,6 @@ def test_record_is_candumps_log_frame_for_frame(start_host, rig, tier, tmp_path)
     recorded = [(cob_id, data) for _, cob_id, data in hil.read_candump(host.record_path)]
     heard = [(cob_id, data) for _, cob_id, data in hil.read_candump(log)]
     assert len(recorded) > 1000
-    # Nodes speak before the host listens, and after it has gone.
+    # Nodes send before the host listens and after it has ended.
     starts = [i for i in range(len(heard) - len(recorded) + 1) if heard[i:i + len(recorded)] == recorded]
     assert starts, "the host's record is not in candump's log"

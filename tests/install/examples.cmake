@@ -1,9 +1,10 @@
-# Installs the build into a folder of its own, moves it elsewhere, and builds and runs the examples of docs/examples against
-# it: cmake -DBUILD=... -DSOURCE=... -DWORK=... -P examples.cmake
+# Installs the build into a folder of its own, moves it elsewhere, and builds and runs the examples of
+# docs/examples against it:
+# cmake -DBUILD=... -DSOURCE=... -DWORK=... -P examples.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/there)
-file(RENAME ${WORK}/there ${WORK}/here)  # wherever it is put
+file(RENAME ${WORK}/there ${WORK}/here)  # must work at any place
 set(prefix ${WORK}/here)
 foreach(example peg rig)
   run(${CMAKE_COMMAND} -S ${SOURCE}/docs/examples/${example} -B ${WORK}/${example} -DCMAKE_PREFIX_PATH=${prefix}
@@ -11,13 +12,13 @@ foreach(example peg rig)
   run(${CMAKE_COMMAND} --build ${WORK}/${example})
 endforeach()
 run(${WORK}/peg/peg)
-# Who links godobject::platform alone has no simulation.
+# Programs that link only godobject::platform contain no simulation.
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/links_no_simulation.py ${NM} ${prefix} ${WORK}/rig/peg_on_rig)
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/peg_on_rig.py ${prefix}/bin/godobject
     ${prefix}/share/godobject/scenes/rigid.toml ${WORK}/rig/peg_on_rig)
-# The program finds its profiles and scenes where it is.
+# The program finds its profiles and scenes beside itself.
 run(${prefix}/bin/godobject check ${prefix}/share/godobject/scenes/grasper.toml)
-# pkg-config says the same as the package.
+# pkg-config gives the same flags as the package.
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "")
   file(GLOB_RECURSE pc ${prefix}/*/godobject-core.pc)

@@ -1,4 +1,5 @@
-# Installs a build without simulation: nothing of it is shipped, and the example on a rig builds against what is.
+# Installs a build without simulation: none of it is shipped, and the example on a rig builds against the
+# rest.
 # cmake -DBUILD=... -DSOURCE=... -DCOMPILER=... -DWORK=... -P off.cmake
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 file(REMOVE_RECURSE ${WORK})

@@ -1,4 +1,4 @@
-# run(COMMAND ARGUMENT...): shows what it prints, and ends where it fails.
+# run(COMMAND ARGUMENT...): prints the output, and stops if the command fails.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)

@@ -1,4 +1,4 @@
-// An encoder board at the end of a serial line, and a rig that takes it for a bus of encoders.
+// An encoder board at the end of a serial line, and a rig that uses it as a bus of encoders.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ using testing::IsEmpty;
 constexpr Nanoseconds ms = 1'000'000;
 constexpr double counts_per_rad = 1000;
 
-/// 1 kHz, two channels: the first runs at 1000 counts a second, the second rests. Faults are set between frames.
+/// Sends at 1 kHz with two channels: the first runs at 1000 counts a second, the second rests. Faults are set
+/// between frames.
 class Board {
  public:
   Board() : thread_([this] { run(); }) {}
@@ -60,7 +61,7 @@ class Board {
   std::thread thread_;
 };
 
-/// Machines that run tests are slow at times: the limits are wide.
+/// Test machines are slow at times, so limits are wide.
 RigParams two_encoders() {
   RigParams rig;
   rig.buses = {{.name = "arm"}};
@@ -101,7 +102,7 @@ class BoardBusTest : public testing::Test {
     link_->end_cycle();
     MonotonicClock{}.sleep_until(now + 2 * ms);
   }
-  /// Until it is true; false after 20 s.
+  /// Runs cycles until the condition is true; returns false after 20 s.
   template <class Condition>
   bool run_until(Condition&& condition) {
     for (const Nanoseconds end = MonotonicClock{}.now() + 20'000 * ms; MonotonicClock{}.now() < end; cycle())

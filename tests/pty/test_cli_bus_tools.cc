@@ -1,4 +1,4 @@
-// The bus tools of the command line as their user runs them: bus-load, monitor, faults.
+// The bus tools of the command line, run as by a user: bus-load, monitor, faults.
 #include <gmock/gmock.h>
 
 #include <regex>
@@ -25,7 +25,7 @@ const std::string rigid = "sim/scenes/rigid.toml";
 
 class CliBusLoad : public ProgramTest {
  protected:
-  /// rigid.toml with another bit rate of its first bus.
+  /// Returns rigid.toml with another bit rate of its first bus.
   std::string with_bit_rate(const std::string& bit_rate) const {
     std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
     const std::string rate = "bit_rate = 1e6";
@@ -98,7 +98,7 @@ TEST_F(CliFaults, OneFaultAloneAndAMistypedOne) {
   EXPECT_THAT(mistyped.output, HasSubstr("did you mean 'sample_stale'?"));
 }
 
-/// First column of the table below the heading that begins with `title`.
+/// Returns the first column of the table below the heading that begins with `title`.
 std::vector<std::string> documented_names(const std::string& title) {
   std::istringstream page(read_file(GODOBJECT_SOURCE_DIR "/docs/faults.md"));
   std::vector<std::string> names;
@@ -124,7 +124,7 @@ TEST(FaultDocumentation, HasTheFaultsOfTheTablesInTheirOrder) {
 
 class CliMonitor : public ProgramTest {
  protected:
-  /// A run of rigid.toml on its two simulated buses, recorded.
+  /// Records a run of rigid.toml on its two simulated buses.
   std::string recorded_run() const {
     EXPECT_EQ(run_program("run " + rigid + " --duration 0.3 --record " + path("run.log")).exit_code, 0);
     return path("run.log");
@@ -170,7 +170,7 @@ TEST_F(CliMonitor, DecodesCanopenWithoutAScene) {
   EXPECT_THAT(result.output, HasSubstr("of 500 kbit/s"));
 }
 
-/// A multi-turn encoder without a modulus counts below zero in two's complement, as the rig takes it.
+/// A multi-turn encoder without a modulus counts below zero in two's complement, as in the rig.
 TEST_F(CliMonitor, CountsBelowZeroAreNegative) {
   std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   for (const std::string& line :

@@ -1,4 +1,4 @@
-// godobject drive, run as its user runs it, against a simulated drive with a small motor behind a pseudo-terminal.
+// `godobject drive`, run as by a user, against a simulated drive with a small motor behind a pseudo-terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -24,7 +24,7 @@ DriveParams drive_params() {
   return params;
 }
 
-/// An inertia on the motor's shaft.
+/// A simulated drive with an inertia on the motor's shaft.
 class DriveOnPty : public test::NodeOnPty<SimDrive> {
  public:
   explicit DriveOnPty(SimDefaults defaults = SimDefaults::rig, const SimDriveQuirks& quirks = {})
@@ -86,7 +86,7 @@ TEST(CliDrive, HomesByTheMethodsItHas) {
   const DriveOnPty rig;
   const test::ProgramResult home = rig.drive("home --offset 750");
   EXPECT_EQ(home.exit_code, 0) << home.output;
-  EXPECT_THAT(home.output, HasSubstr("home is known; it is at 750 counts\noff\n"));
+  EXPECT_THAT(home.output, HasSubstr("home was found, at 750 counts\noff\n"));
   const test::ProgramResult switches = rig.drive("home --method 33");
   EXPECT_EQ(switches.exit_code, 2);
   EXPECT_THAT(switches.output, HasSubstr("--hand-on-the-stop"));
@@ -135,14 +135,14 @@ TEST(CliDrive, RefusesMovesThatNobodyWatchesOrThatAreTooBig) {
   struct Case {
     std::string options, message;
   };
-  // No bus is opened: there is none.
+  // The bus does not exist, and must not be opened.
   for (const Case& c : std::vector<Case>{
            {"--velocity 100 --duration 1", "--hand-on-the-stop"},
            {"--velocity 2001 --duration 1", "2001 is beyond the limit of 2000"},
            {"--torque 51 --duration 1", "51 is beyond the limit of 50"},
-           {"--position -2000 --duration 0.5", "beyond the limit of 2000: raise --duration"},
-           {"--duration 1", "one of --velocity, --position, --torque"},
-           {"--velocity 1 --torque 1 --duration 1", "one of --velocity, --position, --torque"},
+           {"--position -2000 --duration 0.5", "beyond the limit of 2000 counts/s: raise --duration"},
+           {"--duration 1", "exactly one of --velocity, --position and --torque"},
+           {"--velocity 1 --torque 1 --duration 1", "exactly one of --velocity, --position and --torque"},
            {"--velocity 1 --duration 61", "--duration"},
        }) {
     const test::ProgramResult result =
@@ -161,7 +161,7 @@ constexpr auto is_off = [](SimDrive& drive) {
   return drive.drive_state() == cia402::DriveState::switch_on_disabled;
 };
 
-/// A long move whose program gets `signal` as soon as the motor has power.
+/// Starts a long move, and sends `signal` to the program as soon as the motor has power.
 test::ProgramResult signalled_move(DriveOnPty& rig, int signal) {
   const std::string pid_file = testing::TempDir() + "godobject-move-" + std::to_string(getpid());
   rig.call_once_when(is_enabled, [=](SimDrive&) { kill(std::stoi(test::read_file(pid_file)), signal); });
@@ -182,18 +182,18 @@ TEST(CliDrive, AnInterruptSwitchesOff) {
   }
 }
 
-// With its last words, long before the drive misses its heartbeat.
+// By the last frames, long before the drive misses its heartbeat.
 TEST(CliDrive, ADefectSwitchesOff) {
   for (const int signal : {SIGABRT, SIGSEGV}) {
     DriveOnPty rig;
     const test::ProgramResult result = signalled_move(rig, signal);
-    EXPECT_THAT(result.output, HasSubstr("the drives were told to switch their motors off"));
+    EXPECT_THAT(result.output, HasSubstr("the drives were commanded to switch their motors off"));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_TRUE(rig.call(is_off));
   }
 }
 
-// Killed, it cannot switch anything off: the drive misses its heartbeat.
+// A killed program cannot switch off: the drive misses its heartbeat.
 TEST(CliDrive, TheDriveSwitchesItselfOffWhenTheProgramIsKilled) {
   DriveOnPty rig;
   EXPECT_NE(signalled_move(rig, SIGKILL).exit_code, 0);
@@ -222,7 +222,7 @@ TEST(CliDrive, LeavesADriveAloneThatAHostRuns) {
   rig.send_syncs(true);
   const test::ProgramResult move = rig.drive("move --velocity 100 --duration 1 --hand-on-the-stop");
   EXPECT_EQ(move.exit_code, 1);
-  EXPECT_THAT(move.output, HasSubstr("a host runs this bus (SYNC): stop it first"));
+  EXPECT_THAT(move.output, HasSubstr("a host runs this bus (SYNC): stop the host first"));
   EXPECT_THAT(rig.drive("status").output, HasSubstr("host             SYNC"));
 }
 
@@ -252,7 +252,7 @@ TEST(CliDrive, SaysThatNobodyAnswersAndWhatIsNoDrive) {
   const test::ProgramResult other =
       test::run_program("encoder --bus slcan:" + rig.name() + " --node 4 status");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.output, HasSubstr("node 4: is no CiA 406 encoder: its profile (1000h) is 402"));
+  EXPECT_THAT(other.output, HasSubstr("node 4: is not a CiA 406 encoder: its profile (1000h) is 402"));
 }
 
 TEST(MoveRamp, BeginsAndEndsAtRestAndItsWayIsItsIntegral) {

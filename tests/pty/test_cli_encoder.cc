@@ -1,4 +1,4 @@
-// godobject encoder, run as its user runs it, against a simulated encoder behind a pseudo-terminal.
+// `godobject encoder`, run as by a user, against a simulated encoder behind a pseudo-terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ TEST(CliEncoder, PresetsAndSaysWhatChanged) {
   EXPECT_THAT(preset.output, HasSubstr("position 500 -> 100 counts"));
   const test::ProgramResult beyond = node.encoder("preset 4096");
   EXPECT_EQ(beyond.exit_code, 1);
-  EXPECT_THAT(beyond.output, HasSubstr("4096 is not below the encoder's range of 4096 counts"));
+  EXPECT_THAT(beyond.output, HasSubstr("the position 4096 is not below the encoder's range of 4096 counts"));
   EXPECT_THAT(node.encoder("status").output, HasSubstr("100 counts"));
 }
 
@@ -56,7 +56,7 @@ TEST(CliEncoder, DoesNotPresetUnderARunningHost) {
   node.send_syncs(true);
   const test::ProgramResult refused = node.encoder("preset 100");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output, HasSubstr("a host runs this bus (SYNC) and its joint would jump"));
+  EXPECT_THAT(refused.output, HasSubstr("a host runs this bus (SYNC) and would see the joint jump"));
   EXPECT_THAT(node.encoder("status").output, HasSubstr("position         500 counts"));
   EXPECT_EQ(node.encoder("preset 100 --despite-host").exit_code, 0);
 }

@@ -1,4 +1,4 @@
-// godobject sdo and lss, run as their user runs them, against a simulated encoder behind a pseudo-terminal.
+// `godobject sdo` and `lss`, run as by a user, against a simulated encoder behind a pseudo-terminal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,16 +44,17 @@ TEST(CliSdo, SaysWhyNot) {
   EXPECT_THAT(rejected.output, HasSubstr("read-only"));
   const test::ProgramResult silent = encoder.run("sdo", "--node 6 --timeout 0.1 read 1000");
   EXPECT_EQ(silent.exit_code, 1);
-  EXPECT_THAT(silent.output, HasSubstr("no answer within 100 ms to 3 requests: is the node powered"));
+  EXPECT_THAT(silent.output,
+              HasSubstr("no answer within 100 ms to 3 requests: check that the node is powered"));
   EXPECT_EQ(encoder.run("sdo", "--node 5 read 60X4").exit_code, 2);
   EXPECT_EQ(encoder.run("sdo", "--node 128 read 6004").exit_code, 2);
   EXPECT_EQ(encoder.run("sdo", "--node 5 write 6003 x --type u32").exit_code, 2);
   EXPECT_EQ(test::run_program("sdo --bus slcan:/dev/nothing --node 5 read 6004").exit_code, 3);
   EXPECT_THAT(test::run_program("sdo --bus replay:x.log --node 5 read 6004").output,
-              HasSubstr("a log gives no answers"));
+              HasSubstr("a log does not answer requests"));
 }
 
-/// All would get the ID; nothing is changed, and none is left in configuration mode.
+/// All nodes would get the same ID; none is changed or left in configuration mode.
 TEST(CliLss, RefusesToRenumberSeveralNodes) {
   test::BackgroundProgram rig({"simulate", "sim/scenes/rigid.toml", "--bus", "pty"});
   const std::string first = rig.line();
@@ -78,7 +79,7 @@ TEST(CliLss, GivesANodeItsIdAndBitRate) {
   EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 bit-rate 500000").exit_code, 0);
   const test::ProgramResult other = encoder.run("lss", "--timeout 0.1 --select 1 2 3 4 node-id 9");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.output, HasSubstr("has a node this identity"));
+  EXPECT_THAT(other.output, HasSubstr("check that a node has this identity"));
   EXPECT_EQ(encoder.run("lss", "--select 0xDEB 0x406 0x10000 1 node-id 9").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "node-id 9 --alone").exit_code, 0);
   EXPECT_EQ(encoder.run("lss", "bit-rate 100000").exit_code, 2);

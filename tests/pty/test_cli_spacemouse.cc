@@ -1,4 +1,5 @@
-// `godobject run --spacemouse` and a daemon on a socket in the test's own folder, which sends what spacenavd sends.
+// `godobject run --spacemouse` and a daemon on a socket in the test's own folder, with the messages of
+// spacenavd.
 #include <gmock/gmock.h>
 
 #include <sys/socket.h>
@@ -25,7 +26,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Words = std::array<std::int32_t, 8>;
 
-/// One client at a time.
+/// Serves one client at a time.
 class Daemon {
  public:
   explicit Daemon(std::string path) : path_(std::move(path)) { open(); }
@@ -58,7 +59,7 @@ class Daemon {
 
 class CliSpaceMouse : public ProgramTest {
  protected:
-  /// The run, and meanwhile what the daemon does once it has been asked.
+  /// Runs the program; `meanwhile` controls the daemon once it has a client.
   nlohmann::json run(const std::string& arguments, const std::function<void(Daemon&)>& meanwhile) {
     Daemon daemon(path("spnav.sock"));
     std::thread far([&] {
@@ -70,7 +71,7 @@ class CliSpaceMouse : public ProgramTest {
     far.join();
     return nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
   }
-  /// The ball's last x.
+  /// Returns the last x of the ball.
   double last_x() const {
     const std::string text = read_file(path("trace.csv"));
     const std::string row = text.substr(text.rfind('\n', text.size() - 2) + 1);
@@ -125,7 +126,7 @@ TEST_F(CliSpaceMouse, WhatIsNoEventEndsTheConnection) {
     std::this_thread::sleep_for(1500ms);
   });
   EXPECT_EQ(result_.exit_code, 0) << result_.output;
-  EXPECT_THAT(result_.output, HasSubstr("what came is no event of spacenavd"));
+  EXPECT_THAT(result_.output, HasSubstr("the received bytes are no event of spacenavd"));
   EXPECT_EQ(report["spacemouse"]["malformed"], 1);
 }
 
@@ -144,24 +145,25 @@ TEST_F(CliSpaceMouse, SaysWhatToInstallWhereThereIsNoDaemon) {
 TEST_F(CliSpaceMouse, WhatDoesNotGoTogetherIsSaid) {
   for (const auto& [arguments, word] :
        {std::pair{"sim/scenes/wall.toml --spacemouse", "add [device.spacemouse]"},
-        std::pair{"sim/scenes/spacemouse.toml --spacemouse --fast", "leave --fast out"},
-        std::pair{"sim/scenes/spacemouse.toml --spacemouse --view --view-input", "leave --view-input out"}}) {
+        std::pair{"sim/scenes/spacemouse.toml --spacemouse --fast", "remove --fast"},
+        std::pair{"sim/scenes/spacemouse.toml --spacemouse --view --view-input",
+                  "excludes --view-input, since both move the tool: remove either"}}) {
     const ProgramResult result = run_program(std::string("run ") + arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments;
     EXPECT_THAT(result.output, HasSubstr(word));
   }
 }
 
-/// Random bytes in random pieces: the loop is untouched, and what is taken is counted.
+/// Random bytes in random pieces: the loop is not affected, and accepted events are counted.
 TEST_F(CliSpaceMouse, SurvivesADaemonThatTalksNonsense) {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/spacemouse.toml");
   lead_by_spacemouse(*loaded.scene);
   SpaceMouse mouse(*loaded.scene, []() noexcept { return MonotonicClock{}.now(); });
   Daemon daemon(path("spnav.sock"));
   std::string why_not;
-  std::atomic<int> said{0};
+  std::atomic<int> num_lines{0};
   const auto thread = SpaceMouseThread::start(
-      path("spnav.sock"), mouse, [&](const std::string&) { ++said; }, why_not);
+      path("spnav.sock"), mouse, [&](const std::string&) { ++num_lines; }, why_not);
   ASSERT_TRUE(thread) << why_not;
   daemon.accept_one();
   std::srand(1);
@@ -174,7 +176,7 @@ TEST_F(CliSpaceMouse, SurvivesADaemonThatTalksNonsense) {
   std::this_thread::sleep_for(100ms);
   EXPECT_FALSE(thread->counters().connected);
   EXPECT_EQ(thread->counters().malformed, 1u);
-  EXPECT_EQ(said, 1);
+  EXPECT_EQ(num_lines, 1);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a run shows on a terminal, and the terminals it makes.
+// Output of a run on a terminal, and the terminals it makes.
 #include <gmock/gmock.h>
 #include <pty.h>
 
@@ -12,7 +12,7 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-/// All that the command shows on a terminal of its own.
+/// Returns all output of the command on a terminal of its own.
 std::string on_terminal(const std::string& arguments) {
   int terminal = -1;
   const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);

@@ -1,4 +1,4 @@
-// `godobject simulate` plays a tracker on a pseudo-terminal, `godobject run` follows it.
+// `godobject simulate` simulates a tracker on a pseudo-terminal, `godobject run` follows it.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 class CliTrackers : public ProgramTest {
  protected:
-  /// Starts the simulation; where its tracker is.
+  /// Starts the simulation; returns the path of its tracker.
   std::string start() {
     far_.emplace(std::vector<std::string>{"simulate", "sim/scenes/tracked.toml", "--control", "-"});
     const std::string first = far_->line();
@@ -52,7 +52,7 @@ TEST_F(CliTrackers, RunFollowsTheTrackerThatSimulatePlays) {
 TEST_F(CliTrackers, FaultsComeFromTheSimulationAndAreNoFaultsOfTheRun) {
   const std::string port = start();
   EXPECT_THAT(far_->say("fault corrupt tracker=polaris value=0.1"), HasSubstr(R"("ok":true)"));
-  EXPECT_THAT(far_->say("fault missing tracker=vega"), HasSubstr("there is no tracker 'vega'"));
+  EXPECT_THAT(far_->say("fault missing tracker=vega"), HasSubstr("unknown tracker 'vega'"));
   EXPECT_THAT(far_->say("fault emcy tracker=polaris"), HasSubstr("no fault of a tracker"));
   EXPECT_THAT(far_->say("fault drop bus=can0"), HasSubstr(R"("ok":false)"));
   nlohmann::json report = run("--tracker " + port + " --duration 2");
@@ -91,10 +91,10 @@ TEST_F(CliTrackers, WhatIsWrongWithTheOptionIsSaid) {
   for (const auto& [arguments, expected] :
        {std::pair{"run sim/scenes/tracked.toml --tracker vega=/dev/x", "the scene's trackers are 'polaris'"},
         {"run sim/scenes/tracked.toml --tracker polaris=/dev/x --tracker polaris=/dev/y", "given twice"},
-        {"run sim/scenes/tracked.toml --tracker scene --bus direct", "leave --tracker out"},
-        {"run sim/scenes/tracked.toml --tracker scene --fast", "keep time of their own"},
+        {"run sim/scenes/tracked.toml --tracker scene --bus direct", "or remove --tracker"},
+        {"run sim/scenes/tracked.toml --tracker scene --fast", "real buses and trackers run in wall time"},
         {"run sim/scenes/rigid.toml --tracker scene", "has no trackers"},
-        {"simulate sim/scenes/pendulum.toml", "nothing to simulate"}}) {
+        {"simulate sim/scenes/pendulum.toml", "no trackers to simulate"}}) {
     const ProgramResult result = run_program(arguments);
     EXPECT_EQ(result.exit_code, 2) << arguments << "\n" << result.output;
     EXPECT_THAT(result.output, HasSubstr(expected)) << arguments;

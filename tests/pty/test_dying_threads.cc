@@ -1,4 +1,5 @@
-// Whichever thread of a run crashes, the last frames are written. The table of threads in docs/running.md is the list.
+// If any thread of a run crashes, the last frames are written. The threads are those of the table in
+// docs/running.md.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,10 +35,10 @@ using testing::KilledBySignal;
 
 /// Threads of the run that CrashedThread starts; the main one has the name of the program.
 const std::set<std::string> threads_of_a_run{"godobject", "loop", "file", "console", "view"};
-/// Threads that other devices have.
+/// Threads of other devices.
 const std::set<std::string> threads_of_devices{"tracker", "spacemouse"};
 
-/// The first column of the table in docs/running.md.
+/// Returns the first column of the table in docs/running.md.
 std::set<std::string> documented_threads() {
   const std::string page = read_file(GODOBJECT_SOURCE_DIR "/docs/running.md");
   const std::size_t begin = page.find("<!-- threads: begin -->"), end = page.find("<!-- threads: end -->");
@@ -49,7 +50,7 @@ std::set<std::string> documented_threads() {
   return names;
 }
 
-/// The first thread of this name of a process; 0: none has it.
+/// Returns the first thread of this name in a process; 0 if there is none.
 pid_t thread_named(pid_t process, const std::string& name) {
   std::error_code ignored;
   for (const auto& task :
@@ -74,7 +75,7 @@ TEST(Threads, TheDocumentedOnesAreThoseThatAreTested) {
 
 class CrashedThread : public ProgramTest, public testing::WithParamInterface<std::string> {
  protected:
-  /// Both programs, up to torque on both motors. False where the machine stalled.
+  /// Starts both programs, up to torque on both motors. Returns false if the machine stalled.
   bool start() {
     const std::string scene = write("scene.toml", patient_toml());
     host_.reset();
@@ -137,7 +138,7 @@ TEST_P(CrashedThread, WritesTheLastFrames) {
 INSTANTIATE_TEST_SUITE_P(OfARun, CrashedThread, testing::ValuesIn(threads_of_a_run),
                          [](const auto& test) { return test.param; });
 
-/// Dies of SIGSEGV in the thread of this name, which `make` starts, with last words into a pipe.
+/// Dies of SIGSEGV in the thread of this name, which `make` starts, with last frames into a pipe.
 template <class Make>
 void die_in_thread(const std::string& name, int descriptor, const Make& make) {
   const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};
@@ -172,7 +173,7 @@ TEST_F(DeviceThread, OfATrackerWritesTheLastFrames) {
   TrackerParams params = loaded.scene->device->trackers.front();
   params.port = "/dev/no-such-port";
   const auto make = [&] { return std::make_unique<TrackerThread>(make_tracker(params, {}).tracker); };
-  EXPECT_EXIT(die_in_thread("tracker", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
+  EXPECT_EXIT(die_in_thread("tracker", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were commanded");
   EXPECT_EQ(written(), "last");
 }
 
@@ -192,7 +193,8 @@ TEST_F(DeviceThread, OfASpaceMouseWritesTheLastFrames) {
     return SpaceMouseThread::start(
         where, mouse, [](const std::string&) {}, why_not);
   };
-  EXPECT_EXIT(die_in_thread("spacemouse", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were told");
+  EXPECT_EXIT(die_in_thread("spacemouse", ends_[1], make), KilledBySignal(SIGSEGV),
+              "the drives were commanded");
   EXPECT_EQ(written(), "last");
   close(listener);
 }

@@ -1,5 +1,5 @@
-// `godobject run` against `godobject simulate` over pseudo-terminals, and then no more host: SIGKILL leaves it no
-// time for anything, so that what stops the motors is what it has set up in the drives.
+// `godobject run` against `godobject simulate` over pseudo-terminals, until SIGKILL ends the host. It cannot
+// react, so the configuration of the drives must stop the motors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,8 @@ constexpr double step_s = 5e-3;
 
 class KilledHost : public ProgramTest {
  protected:
-  /// Both programs, up to torque on both motors. False where the machine stalled: the host has given up.
+  /// Starts both programs, up to torque on both motors. Returns false if the machine stalled and the host
+  /// gave up.
   bool start(const std::string& scene) {
     host_.reset();
     far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
@@ -50,7 +51,7 @@ class KilledHost : public ProgramTest {
   }
   nlohmann::json state() { return nlohmann::json::parse(far_->say("status")); }
 
-  /// What the drives report meanwhile.
+  /// Collects the drives' reports for this time.
   void listen(std::chrono::milliseconds time) {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
       for (ReceivedFrame received; tap_->try_receive(received);) {
@@ -75,14 +76,14 @@ TEST_F(KilledHost, MotorsAreOffTwentyMillisecondsLater) {
     emergencies_.clear();
     if (!start(scene)) continue;
     host_->end_by(SIGKILL);
-    if (!emergencies_.empty()) continue;  // the machine stalled: a drive had stopped already
+    if (!emergencies_.empty()) continue;  // the machine stalled: a drive had stopped before
     listen(std::chrono::milliseconds(600));
     const nlohmann::json status = state();
     for (const auto& drive : status["drives"]) {
       EXPECT_EQ(drive["torque_Nm"], 0) << status;
       const double t_nonzero_s = drive["nonzero_at_s"];
       EXPECT_LE(t_nonzero_s - status["sync_at_s"].get<double>(), 0.02 + step_s) << status;
-      // it is the watchdog over the commands, which counts from the last of them
+      // the watchdog over the commands counts from the last of them
       const double time_s = t_nonzero_s - drive["commanded_at_s"].get<double>();
       std::printf("zero torque %.1f ms after the last command\n", 1e3 * time_s);
       EXPECT_GT(time_s, 0.019) << status;

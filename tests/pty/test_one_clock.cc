@@ -1,4 +1,4 @@
-// Record, trace and report of a run on real buses can be laid over each other to 0.1 ms.
+// Record, trace and report of a run on real buses agree in time to 0.1 ms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// A step of one's own on a rig, RigRun, against `godobject simulate` over pseudo-terminals: whatever ends it, the drives are
-// without torque and off, and it says what it was.
+// A user's step on a rig, RigRun, against `godobject simulate` over pseudo-terminals. However the run ends,
+// the drives are off without torque, and the reason is reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using testing::IsEmpty;
 
 class RigRunTest : public ProgramTest {
  protected:
-  /// The rig, simulated; where it can be reached.
+  /// Starts the simulated rig; returns its addresses.
   std::vector<std::string> rig(const std::string& scene) {
     far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
                                           "can0=pty", "--bus", "can1=pty"});
@@ -29,7 +29,7 @@ class RigRunTest : public ProgramTest {
       addresses.push_back(line.substr(4, 4) + "=slcan:" + line.substr(line.find(": ") + 2));
     return addresses;
   }
-  /// Pushes, and after so many steps does the rest.
+  /// Displays a force, and calls `then` after `num_steps` steps.
   RigRun::Result push(RigRun& run, int num_steps, const std::function<bool()>& then) {
     int steps = 0;
     return run.run([&](std::span<const BodySample> samples, std::span<Wrench> F_hand_W) {
@@ -47,7 +47,7 @@ class RigRunTest : public ProgramTest {
   }
 
   std::optional<BackgroundProgram> far_;
-  int valid_ = 0;  // steps with a sample that counts
+  int valid_ = 0;  // steps with a valid sample
 };
 
 TEST_F(RigRunTest, AfterItsLastStepTheTorqueIsGone) {
@@ -67,9 +67,9 @@ TEST_F(RigRunTest, ASignalRunsTheTorqueDown) {
   const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
-  bool asked = false;
+  bool done = false;
   const RigRun::Result result = push(run, 200, [&] {
-    if (!std::exchange(asked, true)) raise(SIGTERM);
+    if (!std::exchange(done, true)) raise(SIGTERM);
     return true;
   });
   EXPECT_EQ(result.signal, "SIGTERM");
@@ -82,9 +82,9 @@ TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
   const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
-  bool asked = false;
+  bool done = false;
   const RigRun::Result result = push(run, 200, [&] {
-    if (!std::exchange(asked, true)) static_cast<void>(far_->say("fault unplug bus=can0 node=1"));
+    if (!std::exchange(done, true)) static_cast<void>(far_->say("fault unplug bus=can0 node=1"));
     return true;
   });
   EXPECT_FALSE(result.is_good());

@@ -1,4 +1,4 @@
-// A serial port on a pseudo-terminal: raw bytes, full buffers, hang-up, and what open() says where it fails.
+// A serial port on a pseudo-terminal: raw bytes, full buffers, hang-up, and the errors of open().
 #include <gmock/gmock.h>
 
 #include <sys/socket.h>
@@ -59,7 +59,7 @@ TEST(SerialPort, NothingToReadIsNotAnError) {
   EXPECT_EQ(port.state(), SerialState::open);
 }
 
-/// A kernel that keeps a call: here a socket that waits for bytes, which a terminal never does.
+/// A kernel that delays a call: here a socket that waits for bytes, which a terminal never does.
 TEST(SerialPort, CallsThatTheKernelKeepsAreCountedAndExplained) {
   std::array<int, 2> ends{};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
@@ -138,7 +138,7 @@ TEST(SerialPort, APseudoTerminalHasNoLatencyToSetAndSaysSo) {
   EXPECT_EQ(port.low_latency(), LowLatency::not_a_uart);
   EXPECT_THAT(port.latency_report(), HasSubstr("not a UART"));
   ASSERT_TRUE(port.open(device.slave(), {.low_latency = false}));
-  EXPECT_EQ(port.low_latency(), LowLatency::not_asked);
+  EXPECT_EQ(port.low_latency(), LowLatency::not_requested);
 }
 
 TEST(SerialPort, AnyBaudRateIsTaken) {

@@ -1,5 +1,5 @@
-// SLCAN in user space: our host against scripted adapters and against our own adapter side, and that against
-// the slcan interface of python-can.
+// SLCAN in user space: our host against scripted adapters and our own adapter side, and that side against the
+// slcan interface of python-can.
 #include <gmock/gmock.h>
 
 #include <poll.h>
@@ -37,14 +37,14 @@ bool wait_for(int descriptor) {
   return poll(&waiting, 1, 1000) > 0;
 }
 
-/// False when none has come for a second.
+/// Returns false if no frame has come for a second.
 bool receive(LinuxBus& bus, ReceivedFrame& frame) {
   while (!bus.try_receive(frame))
     if (!wait_for(bus.descriptor())) return false;
   return true;
 }
 
-/// An adapter that answers as it is told: a fixed text per command line, by the line's first letter.
+/// An adapter with scripted answers: a fixed text per command line, by the line's first letter.
 class ScriptedAdapter {
  public:
   explicit ScriptedAdapter(std::map<char, std::string> answers)
@@ -55,16 +55,16 @@ class ScriptedAdapter {
   }
   const std::string& path() const { return terminal_.slave(); }
   void say(const std::string& text) { EXPECT_TRUE(terminal_.send(text)); }
-  /// After this nothing is answered any more.
+  /// Stops all answers.
   void hang_up() {
     stop_ = true;
     thread_.join();
     thread_ = std::thread([] {});
     terminal_.hang_up();
   }
-  std::string asked() {
+  std::string requests() {
     const std::lock_guard lock(mutex_);
-    return asked_;
+    return requests_;
   }
 
  private:
@@ -73,7 +73,7 @@ class ScriptedAdapter {
       const std::string text = terminal_.receive(1, 5);
       if (text.empty()) continue;
       const std::lock_guard lock(mutex_);
-      asked_ += text;
+      requests_ += text;
       if (text != "\r") {
         line += text;
         continue;
@@ -86,7 +86,7 @@ class ScriptedAdapter {
   PseudoTerminal terminal_{};
   std::map<char, std::string> answers_;
   std::mutex mutex_{};
-  std::string asked_{};
+  std::string requests_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
@@ -94,14 +94,14 @@ class ScriptedAdapter {
 const std::map<char, std::string> good_adapter{
     {'C', "\a"}, {'S', "\r"}, {'O', "\r"}, {'F', "F00\r"}, {'t', "z\r"}};
 
-/// good_adapter, but for some answers.
+/// Returns good_adapter with some answers changed.
 std::map<char, std::string> adapter_with(const std::map<char, std::string>& others) {
   std::map<char, std::string> answers = good_adapter;
   for (const auto& [command, answer] : others) answers[command] = answer;
   return answers;
 }
 
-/// Reads on until `done`, or nothing has come for a second.
+/// Reads until `done`, or until no byte has come for a second.
 template <class Done>
 void pump(SlcanBus& bus, Done done) {
   ReceivedFrame frame;
@@ -124,7 +124,7 @@ TEST(SlcanBus, OpensClosesAndCountsAcknowledgedFrames) {
   EXPECT_EQ(bus.counters().sent, 1u);
   bus.close();
   EXPECT_EQ(bus.state(), BusState::closed);
-  EXPECT_THAT(adapter.asked(), testing::StartsWith("V\rC\rS6\rO\rF\rt123100\r"));
+  EXPECT_THAT(adapter.requests(), testing::StartsWith("V\rC\rS6\rO\rF\rt123100\r"));
 }
 
 TEST(SlcanBus, ReceivesFramesAmongGarbage) {
@@ -158,7 +158,7 @@ TEST(SlcanBus, GivesUpWhereNothingAnswers) {
   PseudoTerminal silent;
   SlcanBus bus(silent.slave() + ",9600", {});
   EXPECT_FALSE(bus.open());
-  EXPECT_THAT(bus.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(bus.trouble(), HasSubstr("no adapter answers"));
   EXPECT_THAT(bus.trouble(), HasSubstr("9600 baud"));
 }
 
@@ -177,7 +177,7 @@ TEST(SlcanBus, RefusesWhatSlcanCannotDoBeforeItTouchesThePort) {
   EXPECT_THAT(no_port.trouble(), HasSubstr("not a terminal"));
 }
 
-/// Stock CANables answer to V alone, in words of their own.
+/// Stock CANables answer only V, with texts of their own.
 TEST(SlcanBus, AnAdapterThatAcknowledgesNothingIsKnownByItsVersion) {
   for (const std::string version :
        {"V1013\r", "b158aa7 github.com/somebody/canable-fw.git\r", "v0.4\r\n", "FF12\n"}) {
@@ -191,11 +191,11 @@ TEST(SlcanBus, AnAdapterThatAcknowledgesNothingIsKnownByItsVersion) {
     ReceivedFrame frame;
     ASSERT_TRUE(receive(bus, frame));
     EXPECT_EQ(frame.frame.id, 0x181u);
-    for (int ms = 0; ms < 1000 && !adapter.asked().ends_with("t123100\r"); ++ms)
+    for (int ms = 0; ms < 1000 && !adapter.requests().ends_with("t123100\r"); ++ms)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_THAT(adapter.asked(), HasSubstr("S6\r"));
-    EXPECT_THAT(adapter.asked(), HasSubstr("O\r"));
-    EXPECT_THAT(adapter.asked(), HasSubstr("t123100\r"));
+    EXPECT_THAT(adapter.requests(), HasSubstr("S6\r"));
+    EXPECT_THAT(adapter.requests(), HasSubstr("O\r"));
+    EXPECT_THAT(adapter.requests(), HasSubstr("t123100\r"));
   }
 }
 
@@ -219,7 +219,7 @@ TEST(SlcanBus, ARefusalOfAnAdapterThatEndsLinesWithLineFeedIsOne) {
   EXPECT_THAT(bus.trouble(), HasSubstr("refuses to open its channel"));
 }
 
-/// Some adapters carry out their previous command again upon an empty line.
+/// Some adapters repeat their previous command upon an empty line.
 TEST(SlcanBus, NoEmptyLineIsEverWritten) {
   for (const bool acknowledges : {false, true}) {
     ScriptedAdapter adapter(acknowledges ? good_adapter : std::map<char, std::string>{{'V', "V1013\r"}});
@@ -233,17 +233,17 @@ TEST(SlcanBus, NoEmptyLineIsEverWritten) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     EXPECT_EQ(last_frames, "t20B400000000\rt00020000\r");
-    EXPECT_THAT(adapter.asked(), testing::Not(testing::StartsWith("\r")));
-    EXPECT_THAT(adapter.asked(), testing::Not(HasSubstr("\r\r")));
+    EXPECT_THAT(adapter.requests(), testing::Not(testing::StartsWith("\r")));
+    EXPECT_THAT(adapter.requests(), testing::Not(HasSubstr("\r\r")));
   }
 }
 
-/// A terminal that echoes, and a device that talks by itself, are no adapters.
+/// A terminal that echoes and a device that sends by itself are no adapters.
 TEST(SlcanBus, WhatAnswersVWithoutMeaningItIsNoAdapter) {
   ScriptedAdapter echo({{'V', "V\r"}, {'C', "C\r"}, {'S', "S8\r"}, {'O', "O\r"}, {'F', "F\r"}});
   SlcanBus bus(echo.path(), {});
   EXPECT_FALSE(bus.open());
-  EXPECT_THAT(bus.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(bus.trouble(), HasSubstr("no adapter answers"));
   PseudoTerminal receiver;
   std::atomic<bool> stop{false};
   std::thread talking([&] {
@@ -255,12 +255,12 @@ TEST(SlcanBus, WhatAnswersVWithoutMeaningItIsNoAdapter) {
   });
   SlcanBus other(receiver.slave(), {});
   EXPECT_FALSE(other.open());
-  EXPECT_THAT(other.trouble(), HasSubstr("nothing answers there"));
+  EXPECT_THAT(other.trouble(), HasSubstr("no adapter answers"));
   stop = true;
   talking.join();
 }
 
-/// UCCB takes the first command of a USB packet and drops the others.
+/// UCCB reads the first command of a USB packet and drops the others.
 TEST(SlcanLine, EveryLineIsAWriteOfItsOwn) {
   std::array<int, 2> ends{};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, ends.data()), 0);
@@ -286,7 +286,7 @@ TEST(SlcanLine, EveryLineIsAWriteOfItsOwn) {
   close(ends[1]);
 }
 
-/// The last frames come after the rest of the line that a full terminal has cut off.
+/// The last frames follow the rest of the line that a full terminal cut off.
 TEST(SlcanLine, TheRestOfACutLineIsKept) {
   int num_cut = 0;
   for (std::uint8_t size = 0; size <= 8; ++size) {
@@ -309,7 +309,7 @@ TEST(SlcanLine, TheRestOfACutLineIsKept) {
 
 TEST(SlcanBus, GarbageIsCountedAsErrorFrames) {
   std::mt19937 random(1);
-  for (const int kind : {0, 1, 2}) {  // any bytes, none that ends a line, refusals that cut lines off
+  for (const int kind : {0, 1, 2}) {  // random bytes, bytes without a line end, refusals that cut lines off
     ScriptedAdapter adapter(good_adapter);
     SlcanBus bus(adapter.path(), {});
     ASSERT_TRUE(bus.open()) << bus.trouble();
@@ -448,7 +448,7 @@ TEST_F(OurTwoEnds, AFullLineIsSaidAndWhatWasQueuedArrivesWholeAndInOrder) {
     ReceivedFrame frame;
     while (!adapter_.try_receive(frame)) {
       ReceivedFrame none;
-      EXPECT_FALSE(host_->try_receive(none));  // writes what is still queued
+      EXPECT_FALSE(host_->try_receive(none));  // writes the queued bytes
       ASSERT_TRUE(wait_for(adapter_.descriptor())) << i << " of " << num_queued;
     }
     ASSERT_EQ(frame.frame.data[0], i % 256) << i;
@@ -501,7 +501,7 @@ TEST(PtyBus, RefusesWhatAnAdapterRefuses) {
   EXPECT_EQ(ask("\rC\r"), "\r") << "once: an empty line is no command";
 }
 
-/// python-can as the other end: sends eight frames, expects them back with the identifier raised by one.
+/// python-can as the other end: sends eight frames, expects them back with the identifier increased by one.
 constexpr const char* python_host = R"(
 import sys, can
 bus = can.Bus(sys.argv[1], bustype="slcan", bitrate=1000000, sleep_after_open=0)

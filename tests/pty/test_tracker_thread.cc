@@ -13,7 +13,7 @@
 namespace godobject::test_tracker_thread {
 namespace {
 
-/// The far end of a pseudo-terminal that speaks from a recording of the test's own: a wired tool that is always seen.
+/// The far end of a pseudo-terminal with a scripted tracker: a wired tool that is always visible.
 class FarEnd {
  public:
   FarEnd() {
@@ -60,7 +60,7 @@ class FarEnd {
     EXPECT_EQ(write(master_, reply.data(), reply.size()), static_cast<ssize_t>(reply.size()));
   }
 
-  /// A pseudo-terminal carries no break: until there is a command it is taken for granted.
+  /// A pseudo-terminal carries no break, so it is assumed until there is a command.
   void run(const std::stop_token& stop) {
     std::string command;
     int idle = 0;
@@ -94,7 +94,7 @@ std::unique_ptr<TrackerThread> start(const std::string& path) {
   return std::make_unique<TrackerThread>(make_tracker(params, {}).tracker);
 }
 
-/// Reads until the condition holds; false after 20 s.
+/// Reads until the condition holds; returns false after 20 s.
 bool read_until(TrackerThread& thread, TrackerReport& report, const std::function<bool()>& condition) {
   const MonotonicClock clock;
   const Nanoseconds end = clock.now() + 20'000'000'000;
@@ -122,7 +122,7 @@ TEST(TrackerThread, PosesComeOverAPseudoTerminal) {
 
 TEST(TrackerThread, UnpluggedIsAStateAndThePortIsOpenedAgain) {
   auto far = std::make_unique<FarEnd>();
-  // A name that stays while what it names goes and comes, as /dev/serial/by-id does.
+  // A name that stays while its target disappears and returns, as /dev/serial/by-id does.
   const std::string link = testing::TempDir() + "tracker_thread_port_" + std::to_string(getpid());
   unlink(link.c_str());
   ASSERT_EQ(symlink(far->path().c_str(), link.c_str()), 0);

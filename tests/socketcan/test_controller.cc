@@ -167,7 +167,7 @@ TEST_F(ControllerTest, FramesPassBothWays) {
 TEST_F(ControllerTest, AnotherBitRateThanExpectedIsRefused) {
   SocketCanBus wrong(name, {.bit_rate = 1e6});
   EXPECT_FALSE(wrong.open());
-  EXPECT_NE(wrong.trouble().find("runs at 500000 bit/s, the scene says 1000000"), std::string::npos)
+  EXPECT_NE(wrong.trouble().find("runs at 500000 bit/s, the scene has 1000000"), std::string::npos)
       << wrong.trouble();
   EXPECT_NE(wrong.trouble().find("bitrate 1000000"), std::string::npos) << wrong.trouble();
 }

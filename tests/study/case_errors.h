@@ -1,4 +1,4 @@
-// How far a run of a scene is from its reference.
+// Errors of a run of a scene relative to its reference.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 
 namespace godobject::study {
 
-inline constexpr double comparison_step = 4e-3;  // s: every step of the study divides it
+inline constexpr double comparison_step = 4e-3;  // s: divisible by every step of the study
 
-/// Largest differences from the reference at multiples of 4 ms, from the scene's `from` on; of the worst body.
+/// Largest differences from the reference over all bodies, at multiples of 4 ms from the scene's `from` on.
 struct Errors {
   double position = 0;             // m
-  double rotation = 0;             // rad, angle between the attitudes
-  std::optional<double> energy;    // a free body: |E(t) / E(0) - 1|
-  std::optional<double> momentum;  // a free body: |L(t) - L(0)| / |L(0)|, angular momentum in world axes
-  std::optional<Drift> drift;      // of joints, after every step
+  double rotation = 0;             // angle between the attitudes, rad
+  std::optional<double> energy;    // for a free body: |E(t) / E(0) - 1|
+  std::optional<double> momentum;  // for a free body: |L(t) - L(0)| / |L(0)|, angular momentum in world axes
+  std::optional<Drift> drift;      // drift of the joints, after every step
 };
 
 inline std::size_t steps_in(double duration, double h) {
@@ -36,11 +36,11 @@ inline Vec3 angular_momentum(const RigidBodyParams& par, const RigidBodyState& x
   return to_world(x.X_WB.q, par.I_B * x.w_B);
 }
 
-/// Nothing but inertia acts.
+/// True if no forces act, only inertia.
 template <Scene S>
 inline constexpr bool is_inertial = !uses<typename S::Coupling> && !uses<typename S::Joints>;
 
-/// The errors of one instant.
+/// Updates the worst errors with those of one instant.
 template <Scene S>
 void compare(const CaseRun<S>& run, const std::vector<oracle::RigidState>& exact, Errors& worst) {
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -50,7 +50,7 @@ void compare(const CaseRun<S>& run, const std::vector<oracle::RigidState>& exact
   }
 }
 
-/// Runs the scene once and sets it against the reference. Throws std::runtime_error for a fault.
+/// Runs the scene once and compares it with the reference. Throws std::runtime_error for a fault.
 template <Scene S>
 Errors compare(const ReferenceScene& scene, const oracle::Solution& reference, CaseRun<S>& run, double h) {
   const RigidBodyParams& body = run.params().bodies[0].body;

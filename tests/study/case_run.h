@@ -1,4 +1,4 @@
-// A case of the oracle as a scene of the core: the same numbers given to both.
+// Runs a case of the oracle as a scene of the core, with equal numbers.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ inline Target target_of(const oracle::RigidState& D) {
   return {.X_WD = {.p = D.p, .q = Quat(D.q)}, .V_WD = {.w = D.w, .v = D.v}};
 }
 
-/// What the devices say at the end of a step in which the target moved from D_0 to D_1.
+/// Sets the device input at the end of a step in which the target moved from D_0 to D_1.
 inline void set_input(const oracle::RigidState&, const oracle::RigidState& D_1, PoseDevice::Input& in) {
   in = {.target = target_of(D_1)};
 }
@@ -22,23 +22,23 @@ inline void set_input(const oracle::RigidState& D_0, const oracle::RigidState& D
   const Eigen::AngleAxisd turn(D_1.q * D_0.q.conjugate());
   in = {.dp_W = D_1.p - D_0.p, .dphi_W = turn.angle() * turn.axis()};
 }
-/// There is no hand in a case: 10 N per metre, which for S1 is about 1 N.
+/// A case has no hand: the force is 10 N per metre, about 1 N in S1.
 inline void set_input(const oracle::RigidState&, const oracle::RigidState& D_1, AdmittanceDevice::Input& in) {
   in = {.F_WB = {.tau = Vec3::Zero(), .f = 10 * D_1.p}};
 }
 
-/// A case with n copies of its one body, and no joints.
+/// Returns a case with n copies of its one body, without joints.
 inline oracle::Case copies(oracle::Case problem, std::size_t n) {
   problem.bodies.assign(n, problem.bodies.front());
   return problem;
 }
 
-/// One running scene, the bodies of a case, parents before children. Coupled bodies are engaged from the start with
-/// no ramp; bodies without a coupling are let go. Feedback gains equal the coupling's.
+/// A running scene with the bodies of a case, parents before children. Coupled bodies are engaged from the
+/// start without ramp; bodies without a coupling are disengaged. Feedback gains equal the coupling's.
 template <Scene S>
 class CaseRun {
  public:
-  /// Keeps a reference to the case.
+  /// problem: must outlive this.
   CaseRun(const oracle::Case& problem, double h) : problem_(problem) {
     par_.h = h;
     par_.num_bodies = problem.bodies.size();
@@ -62,7 +62,8 @@ class CaseRun {
     }
   }
 
-  /// The inputs of `steps` steps after the `first` ones, the target read no later than t_last.
+  /// Returns the inputs of `steps` steps after the `first` ones. t_last: latest time at which the target is
+  /// evaluated, s.
   std::vector<Input<S>> inputs(std::size_t steps, double t_last, std::size_t first = 0) const {
     std::vector<Input<S>> all(steps);
     if constexpr (uses<typename S::Device>) {
@@ -98,7 +99,7 @@ class CaseRun {
     for (std::size_t i = 0; i < par_.num_bodies; ++i) sum += kinetic_energy(par_.bodies[i].body, body(i));
     return sum;
   }
-  /// Nothing is apart where there are no joints.
+  /// Returns the drift; zero without joints.
   Drift drift() const {
     if constexpr (uses<typename S::Joints>) return godobject::drift(par_, x_);
     return {};

@@ -1,6 +1,6 @@
-// The scenes the study measures: each has one part more than the one before it, so that each part can be told from the
-// next ("device" has no coupling). The articulated ones also with each part of the joints by itself, and with each
-// stabilisation.
+// Scene types measured by the study. Each adds one component to the previous type, so that its cost is a
+// difference ("device" has no coupling). Articulated types also exist with each component of the joints
+// alone, and with each stabilisation.
 #pragma once
 
 #include "core/contact/bodies.h"
@@ -19,7 +19,7 @@ struct Free {
   using Feedback = None;
 };
 
-/// A device that pulls nothing.
+/// A device without coupling.
 template <class I, std::size_t N>
 struct DeviceOnly : Free<I, N> {
   using Device = PoseDevice;
@@ -31,7 +31,7 @@ struct Follower : DeviceOnly<I, N> {
   using Coupling = DampedSpring;
 };
 
-/// A tool that follows a pose and shows a force.
+/// A tool that follows a pose and displays a force.
 template <class I, std::size_t N>
 struct Haptic : Follower<I, N> {
   using Feedback = LimitedFeedback;
@@ -49,13 +49,13 @@ struct Admittance : DeviceOnly<I, N> {
   using Device = AdmittanceDevice;
 };
 
-/// Bodies on joints that nothing pulls.
+/// Bodies on joints without coupling.
 template <class I, std::size_t N>
 struct FreeJoints : Free<I, N> {
   using Joints = TreeJoints<>;
 };
 
-/// A tool of bodies on joints that follow poses.
+/// A tool of coupled bodies on joints.
 template <class I, std::size_t N, class J>
 struct FollowerOnJoints : Follower<I, N> {
   using Joints = J;
@@ -65,11 +65,11 @@ struct Tool : FollowerOnJoints<I, N, TreeJoints<>> {};
 template <class I, std::size_t N>
 struct ToolWithStops : FollowerOnJoints<I, N, TreeJoints<JointStops>> {};
 template <class I, std::size_t N>
-struct ToolWithImposed : FollowerOnJoints<I, N, TreeJoints<None, ImposedJoints>> {};
+struct ToolWithImposed : FollowerOnJoints<I, N, TreeJoints<None, PrescribedJoints>> {};
 template <class I, std::size_t N>
-struct ToolWithAll : FollowerOnJoints<I, N, TreeJoints<JointStops, ImposedJoints>> {};
+struct ToolWithAll : FollowerOnJoints<I, N, TreeJoints<JointStops, PrescribedJoints>> {};
 
-/// A tool whose joints are held by another stabilisation. Those that need the base are of first order.
+/// A tool with another joint stabilisation. Types that use the base are of first order.
 template <class I, std::size_t N, class Stabilisation>
 struct ToolHeldBy : FollowerOnJoints<I, N, TreeJoints<None, None, Stabilisation>> {};
 
@@ -91,14 +91,14 @@ struct Bricks : Follower<I, N> {
   using Contacts = BodyContacts<8 * N, N + 1, 36 * N>;
 };
 
-/// A tool that shows a force and carries a net of so many nodes, among obstacles of the world or shapes of its own, S6.
+/// A tool with feedback and a net of `nodes` nodes, among obstacles of the world or shapes of its own, S6.
 template <class I, std::size_t nodes>
 struct NetTool : Haptic<I, 1> {
   using Contacts = BodyContacts<1, 1, 4>;
   using Net = MassSpringNet<nodes, 3 * nodes, nodes / 2>;
 };
 
-/// How many bodies fit, or nodes of nets: the number in a composition's name.
+/// Returns the capacity in a composition's name: bodies, or nodes of nets.
 template <class S>
 constexpr std::size_t capacity_of() {
   if constexpr (uses<NetOf<S>>) return S::Net::max_nodes;

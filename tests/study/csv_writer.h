@@ -1,4 +1,4 @@
-// Rows of a result file: text and numbers, an empty field for a number that does not exist.
+// Writes rows of a result file: text and numbers; a missing number is an empty field.
 #pragma once
 
 #include <cmath>

@@ -11,14 +11,14 @@
 namespace godobject::study {
 namespace {
 
-constexpr double resolvable_error = 1e-11;  // m, rad: below it an order is an order of rounding
+constexpr double resolvable_error = 1e-11;  // m, rad: below it the order is that of rounding errors
 
 std::optional<double> order(double coarse, double fine) {
   if (!(fine > resolvable_error)) return std::nullopt;
   return std::log2(coarse / fine);
 }
 
-/// One composition on one scene at every step.
+/// Adds rows of one composition on one scene at every step.
 template <Scene S>
 void add_rows(const ReferenceScene& scene, const oracle::Solution& reference, bool quick,
               std::optional<double> instructions, const Progress& progress, std::vector<ErrorRow>& rows) {
@@ -46,7 +46,7 @@ void add_rows(const ReferenceScene& scene, const oracle::Solution& reference, bo
   }
 }
 
-/// The smallest composition that holds the scene, and its name for the probe.
+/// Calls f with the smallest composition that holds the scene, and its name for the probe.
 template <class Integrator, class F>
 auto with_composition(const ReferenceScene& scene, F&& f) {
   const std::string name = Integrator::name;

@@ -21,22 +21,22 @@ struct ErrorRow {
   Errors errors;
   std::optional<double> order_position;  // log2 of the error at 2 h over the error at h
   std::optional<double> order_rotation;
-  double ns_per_step = 0;  // median
+  double ns_per_step = 0;  // per step, median
   std::optional<double> instructions_per_step;
 
-  double ns_per_second() const { return ns_per_step / h; }  // of simulated time
+  double ns_per_second() const { return ns_per_step / h; }  // per simulated second
   std::optional<double> instructions_per_second() const;
 };
 
-/// Steps, s, each half of the one before; the slowest sets the times of comparison.
+/// Returns the steps, s, each half of the previous one; the longest determines the comparison times.
 std::vector<double> error_steps(bool quick);
 
-/// Every scene with every integrator and step.
+/// Runs every scene with every integrator and step.
 std::vector<ErrorRow> study_error(const std::vector<ReferenceScene>& scenes, bool quick,
                                   InstructionCounter& counter, const Progress& progress);
 
-/// Errors of one integrator ("implicit-euler", "tr-bdf2") on one scene. Throws
-/// std::runtime_error for a fault.
+/// Returns the errors of one integrator ("implicit-euler", "tr-bdf2") on one scene. Throws std::runtime_error
+/// for a fault.
 Errors measure_errors(const ReferenceScene& scene, const std::string& integrator, double h);
 
 void write_csv(const std::filesystem::path& file, const std::vector<ErrorRow>& rows);

@@ -1,5 +1,5 @@
-// The contrast of the stability map: semi-implicit Euler, the spring's force taken at the start of the step,
-// as a general-purpose physics engine treats a force that is handed to it. Not for use.
+// Contrast for the stability map: semi-implicit Euler with the spring's force at the start of the step, as a
+// general-purpose physics engine treats an external force. Not for use.
 #pragma once
 
 #include "core/body/coupling.h"
@@ -7,8 +7,8 @@
 
 namespace godobject::study {
 
-/// v+ = v + h F(x, v) / m,  w+ = w + h I^-1 (T(x, w) - w x I w),  x+ = x + h v+,  R+ = R exp(h w+).
-/// The target rests.
+/// v+ = v + h F(x, v) / m,  w+ = w + h I^-1 (T(x, w) - w x I w),  x+ = x + h v+,  R+ = R exp(h w+). The
+/// target is at rest.
 class ExplicitCoupling {
  public:
   ExplicitCoupling(const RigidBodyParams& body, const SpringParams& spring, const Pose& X_WD)

@@ -9,7 +9,7 @@
 namespace godobject::study {
 namespace {
 
-/// "haptic-1 tr-bdf2,512,400,900" as the probe prints it.
+/// Parses "haptic-1 tr-bdf2,512,400,900" as printed by the probe.
 bool parse(const std::string& line, FootprintRow& row) {
   std::istringstream fields(line);
   char comma = 0;

@@ -1,4 +1,4 @@
-// What a composition costs: bytes of data, bytes of code, instructions of a step.
+// Cost of a composition: bytes of data, bytes of code, instructions of a step.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +15,28 @@ struct FootprintRow {
   std::string composition;  // "haptic-1 tr-bdf2"
   std::size_t max_bodies = 0;
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
-  std::optional<double> code_bytes;         // of the step: machine code
-  std::optional<double> constant_bytes;     // of the step: read-only data
-  std::optional<double> instructions;       // of a step with one body
-  std::optional<double> instructions_full;  // of a step with max_bodies bodies
+  std::optional<double> code_bytes;         // machine code of the step
+  std::optional<double> constant_bytes;     // read-only data of the step
+  std::optional<double> instructions;       // per step with one body
+  std::optional<double> instructions_full;  // per step with max_bodies bodies
 };
 
-/// What a composition of the probe program is there to show: by its name.
+/// Family of a composition of the probe program, by its name.
 enum class Family : std::uint8_t {
   rigid,
   articulated,  // "...-joints..."
-  touching,     // "pressed...", "bricks...", with contacts and without
+  touching,     // "pressed...", "bricks...", with and without contacts
   net,          // "net-..."
 };
 
-/// Every composition of a family that the probe program has (the quick one has few), with its bytes. Empty, with the reason in `why_not`, where
-/// it is not built.
+/// Returns every composition of a family in the probe program (the quick one has few), with its bytes.
+/// Returns no rows, with the reason in `why_not`, if the program is not built.
 std::vector<FootprintRow> list_compositions(const std::filesystem::path& probe_directory, bool quick,
                                             Family family, std::string& why_not);
 
-/// Every rigid composition the probe program has. Empty, with the reason in `why_not`, where it is not built;
-/// numbers whose tool is missing are absent. `quick`: only compositions with one body.
+/// Measures every rigid composition of the probe program. Returns no rows, with the reason in `why_not`, if
+/// the program is not built. Numbers whose tool is missing are absent. quick: only compositions with one
+/// body.
 std::vector<FootprintRow> study_footprint(const std::filesystem::path& probe_directory, bool quick,
                                           InstructionCounter& counter, const Progress& progress,
                                           std::string& why_not);

@@ -1,4 +1,4 @@
-// Values a map runs over.
+// Grid values of a map.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace godobject::study {
 
-/// `count` >= 2 values with one ratio between neighbours, both ends included.
+/// Returns `count` >= 2 values with a constant ratio between neighbours, both ends included.
 inline std::vector<double> log_spaced(double first, double last, std::size_t count) {
   std::vector<double> values(count);
   for (std::size_t i = 0; i < count; ++i)

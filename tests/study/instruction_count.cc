@@ -31,7 +31,7 @@ std::optional<double> InstructionCounter::collected(const std::string& compositi
   const ToolResult run = run_tool({"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
                                    "--toggle-collect=*probe_step*", probe_.string(), composition,
                                    std::to_string(steps), motion});
-  // "==123== Collected : 45678"
+  // line of callgrind: "==123== Collected : 45678"
   const std::string label = "Collected : ";
   const std::size_t at = run.output.find(label);
   if (!run.ok() || at == std::string::npos) return std::nullopt;

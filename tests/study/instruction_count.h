@@ -1,4 +1,4 @@
-// Instructions of one step, counted by callgrind on the probe program (tests/study/probe).
+// Instructions per step, counted by callgrind on the probe program (tests/study/probe).
 #pragma once
 
 #include <cstddef>
@@ -9,21 +9,22 @@
 
 namespace godobject::study {
 
-/// Where the build puts the probe programs and the archives.
+/// Returns the build's folder of the probe programs and archives.
 std::filesystem::path default_probe_directory();
-/// The program with every composition in such a folder, or that with those of a quick study.
+/// Returns the program in that folder with every composition, or with those of a quick study.
 std::filesystem::path probe_program(const std::filesystem::path& probe_directory, bool quick);
 
 class InstructionCounter {
  public:
-  /// `probe`: the probe program.
+  /// probe: path of the probe program.
   explicit InstructionCounter(std::filesystem::path probe);
 
-  /// Why nothing can be counted; empty when it can.
+  /// Returns the reason that counting is impossible; empty if it is possible.
   const std::string& why_not() const { return why_not_; }
 
-  /// Instructions of one step of a composition on a motion of the probe at 1 ms, by default that of S1 with one body:
-  /// (count of 2 n steps - count of n steps) / n. Nothing where valgrind or the probe is missing.
+  /// Returns the instructions per step of a composition on a motion of the probe at 1 ms, by default that of
+  /// S1 with one body: (count of 2 n steps - count of n steps) / n. Returns nullopt without valgrind or the
+  /// probe.
   std::optional<double> per_step(const std::string& composition, const std::string& motion = "s1");
 
  private:

@@ -1,4 +1,4 @@
-// godobject-study: error against run time, stability maps, footprint, and the report on them.
+// godobject-study: error against run time, stability maps, footprint, and their report.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -18,7 +18,7 @@ struct StudyArguments {
   std::string out, report;
 };
 
-/// The command line that gives these arguments.
+/// Returns the command line with these arguments.
 std::string command_of(const StudyArguments& a) {
   std::string command = "godobject-study " + a.part;
   if (a.quick) command += " --quick";

@@ -16,7 +16,7 @@ bool is_free(const std::vector<ErrorRow>& rows, const std::string& scene) {
                      [&](const ErrorRow& r) { return r.scene == scene && r.errors.energy.has_value(); });
 }
 
-/// One panel: column `error` against compute time, a line per integrator.
+/// Writes one panel: column `error` against compute time, one line per integrator.
 void error_panel(std::ofstream& out, const std::string& scene, const std::string& error,
                  const std::string& label) {
   out << "set title '" << scene << "'\nset ylabel '" << label << "'\nplot";
@@ -89,8 +89,8 @@ void write_stability_script(const std::filesystem::path& directory, std::size_t 
       << scheme
       << ":  green stable, yellow dissipative, orange energy-gaining, red failed;  line: limit of an "
          "explicitly integrated coupling'\n";
-  const std::size_t cells =
-      grid.stiffnesses.size() * grid.steps.size();  // of a panel: consecutive rows of the file
+  // number of consecutive rows of the file per panel
+  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();
   const std::size_t panels = grid.dampings.size() * grid.inertia_ratios.size();
   for (std::size_t j = 0; j < grid.inertia_ratios.size(); ++j)
     for (std::size_t i = 0; i < grid.dampings.size(); ++i) {
@@ -141,7 +141,8 @@ void write_joint_stability_script(const std::filesystem::path& directory, const 
       << "]\nset object rectangle from graph 0,0 to graph 1,1 behind fillcolor '#8c1c13' fillstyle solid\n"
       << "set multiplot layout 1," << schemes.size()
       << " title 'S3: log_{10} of the worst joint drift in 1000 steps, m;  dark red: failed'\n";
-  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();  // of a scheme: consecutive rows
+  // number of consecutive rows per scheme
+  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();
   for (std::size_t i = 0; i < schemes.size(); ++i)
     out << "set title '" << schemes[i] << "' font 'sans,8'\n"
         << "plot 'joint-stability.csv' skip " << 1 + i * cells << " every ::0::" << cells - 1
@@ -150,7 +151,7 @@ void write_joint_stability_script(const std::filesystem::path& directory, const 
 }
 
 void write_footprint_script(const std::filesystem::path& directory, const std::vector<FootprintRow>& rows) {
-  // Compositions for one body; in a full run every other row is one for eight.
+  // Compositions for one body; in a full run every second row is for eight.
   const bool has_large =
       std::any_of(rows.begin(), rows.end(), [](const FootprintRow& r) { return r.max_bodies > 1; });
   const std::string from = std::string("'footprint.csv' skip 1 every ") + (has_large ? "2" : "1");

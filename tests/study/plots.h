@@ -1,4 +1,4 @@
-// The figures of the study: a gnuplot script per figure, beside the CSV files it reads, and the pictures.
+// Figures of the study: one gnuplot script per figure, beside its CSV files, and the pictures.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +13,11 @@
 
 namespace godobject::study {
 
-/// DIR/<figure>.gp, begun with the choice of format and size, in pixels.
+/// Opens DIR/<figure>.gp and writes the choice of format and size. width, height: pixels.
 std::ofstream script(const std::filesystem::path& directory, const std::string& figure, int width,
                      int height);
 
-/// Runs DIR/<figure>.gp twice, for DIR/<figure>.png and .svg. Empty, or what went wrong.
+/// Runs DIR/<figure>.gp twice, for DIR/<figure>.png and .svg. Returns the error; empty on success.
 std::string draw(const std::filesystem::path& directory, const std::string& figure);
 
 /// Each writes its script for the rows of the CSV file of the same part.

@@ -12,10 +12,10 @@
 namespace godobject::study {
 namespace {
 
-constexpr double duration =
-    0.252;  // s, a multiple of the comparison's step; chains and tops that start alike part later
+// s, a multiple of the comparison step; longer runs of chains and tops diverge from equal starts
+constexpr double duration = 0.252;
 
-/// A rod of 10 to 40 cm and 4 to 40 mm across, coupled as an instrument is.
+/// Returns a rod of 10 to 40 cm length and 4 to 40 mm diameter, coupled like an instrument.
 oracle::Body rod(Random& random) {
   oracle::Body body;
   body.name = "tool";
@@ -31,7 +31,7 @@ oracle::Body rod(Random& random) {
   return body;
 }
 
-/// To a target up to 10 cm and 2.5 rad away.
+/// Returns a rod released towards a target up to 10 cm and 2.5 rad away.
 oracle::Case released(Random& random) {
   oracle::Case problem;
   oracle::Body body = rod(random);
@@ -43,7 +43,7 @@ oracle::Case released(Random& random) {
   return problem;
 }
 
-/// By a target that swings and turns to and fro about an axis, up to 2 Hz.
+/// Returns a rod with a target that oscillates in translation and rotation, up to 2 Hz.
 oracle::Case led(Random& random) {
   oracle::Case problem;
   oracle::Body body = rod(random);
@@ -63,7 +63,7 @@ oracle::Case led(Random& random) {
   return problem;
 }
 
-/// All bodies turned about the origin, where the first joint is.
+/// Rotates all bodies about the origin, the place of the first joint.
 void turn(oracle::Case& problem, const oracle::Quaterniond& q) {
   for (oracle::Body& body : problem.bodies) {
     body.start.p = q * body.start.p;
@@ -120,7 +120,7 @@ ReferenceScene random_scene(const std::string& kind, unsigned seed) {
 }
 
 std::vector<RandomRow> study_random(bool quick, const Progress& progress) {
-  constexpr std::size_t steps_between = 256;  // comparisons: 1/64 ms
+  constexpr std::size_t steps_between = 256;  // steps per comparison interval: 1/64 ms
   const std::vector<double> times = oracle::uniform_times(duration, comparison_step);
   std::vector<RandomRow> rows;
   for (const std::string& kind : random_kinds()) {

@@ -13,7 +13,7 @@ namespace {
 using oracle::Quaterniond;
 using oracle::Vector3d;
 
-/// sim/scenes/reference/coupling-step.toml: at rest, released to a fixed target.
+/// Scene of sim/scenes/reference/coupling-step.toml: at rest, released to a fixed target.
 ReferenceScene coupling_step() {
   oracle::RigidState target;
   target.p = Vector3d(0.05, -0.03, 0.02);
@@ -35,7 +35,7 @@ ReferenceScene coupling_step() {
   return scene;
 }
 
-/// sim/scenes/reference/torque-free.toml: spun about its intermediate axis.
+/// Scene of sim/scenes/reference/torque-free.toml: rotating about its intermediate axis.
 ReferenceScene torque_free() {
   oracle::Body body;
   body.name = "body";
@@ -82,7 +82,8 @@ std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared
                                              std::vector<std::string>& skipped) {
   std::vector<ReferenceScene> scenes{coupling_step(), scene_s1(), torque_free(), reference_s3(),
                                      reference_chain()};
-  // name, what it is, s at most: chains and tops that start alike part after that
+  // name, description, duration limit in s, position; longer runs of chains and tops diverge from equal
+  // starts
   const auto add = [&](const char* name, const char* about, double duration, std::size_t at) {
     const std::filesystem::path folder = shared / "reference" / name;
     if (!std::filesystem::exists(folder / "case.json")) {

@@ -1,4 +1,4 @@
-// The scenes on which error is set against run time.
+// Scenes for error against run time.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@ struct ReferenceScene {
   std::string about;     // one line for the report
   oracle::Case problem;  // all bodies coupled, or none
   double duration = 0;   // s
-  double from = 0;       // s: errors count from here
-  bool stiff = false;    // the oracle, which is explicit, would take minutes
+  double from = 0;       // s: start of the error comparison
+  bool stiff = false;    // the explicit oracle would take minutes
 
   bool is_coupled() const { return problem.bodies.front().coupling.has_value(); }
   bool is_articulated() const { return !problem.joints.empty(); }
@@ -24,12 +24,12 @@ struct ReferenceScene {
 /// S1: a free tool on an analytic target, 20 s, errors from 0.5 s on.
 ReferenceScene scene_s1();
 
-/// The articulated ones: S3, 10 s, and S5 with five links, half a second (it is chaotic later).
+/// Articulated scenes: S3, 10 s, and S5 with five links, 0.5 s (chaotic later).
 ReferenceScene reference_s3();
 ReferenceScene reference_chain();
 
-/// Every reference scene. Those whose motion is a file come from `shared` (the folder with reference/); a
-/// scene whose file is not there is named in `skipped`, with the reason. Throws for a malformed file.
+/// Returns every reference scene. Motions from files come from `shared` (the folder with reference/).
+/// skipped: receives scenes whose file is missing, with the reason. Throws for a malformed file.
 std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared,
                                              std::vector<std::string>& skipped);
 

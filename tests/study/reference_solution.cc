@@ -8,7 +8,7 @@ namespace godobject::study {
 namespace {
 
 constexpr double oracle_duration = 0.052;   // s
-constexpr std::size_t steps_between = 256;  // comparisons
+constexpr std::size_t steps_between = 256;  // steps per comparison interval
 
 oracle::Solution own_solution(const ReferenceScene& scene, const std::vector<double>& times) {
   return by_short_steps<Tool<TrBdf2, 4>>(scene.problem, times, steps_between, scene.duration);

@@ -1,4 +1,4 @@
-// The solution a scene's runs are set against.
+// Reference solution for the runs of a scene.
 #pragma once
 
 #include "tests/oracle/solve.h"
@@ -6,10 +6,11 @@
 
 namespace godobject::study {
 
-/// At multiples of 4 ms: the oracle's, or of a stiff scene that of tr-bdf2 at 1/64 ms.
+/// Returns the reference at multiples of 4 ms: the oracle's; for a stiff scene that of tr-bdf2 at 1/64 ms.
 oracle::Solution reference_of(const ReferenceScene& scene);
 
-/// How far the reference of a stiff scene is from the oracle in its first 0.05 s, m, of the worst body.
+/// Returns the largest distance of a stiff scene's reference from the oracle in its first 0.05 s, m, over all
+/// bodies.
 double reference_error(const ReferenceScene& scene);
 
 }  // namespace godobject::study

@@ -1,4 +1,4 @@
-// A reference by the core itself, at steps so short that its error does not count.
+// Reference solution by the core itself, with steps so short that its error is negligible.
 #pragma once
 
 #include <stdexcept>
@@ -9,8 +9,9 @@
 
 namespace godobject::study {
 
-/// The case at `times` (evenly spaced from 0), by `steps_between` steps of tr-bdf2 from one to the next. The target is
-/// read no later than t_last. Throws std::runtime_error for a fault.
+/// Returns the solution of the case at `times` (evenly spaced from 0), with `steps_between` steps of tr-bdf2
+/// per interval. t_last: latest time at which the target is evaluated, s. Throws std::runtime_error for a
+/// fault.
 template <Scene S>
 oracle::Solution by_short_steps(const oracle::Case& problem, const std::vector<double>& times,
                                 std::size_t steps_between, double t_last) {

@@ -15,7 +15,7 @@ namespace godobject::study {
 namespace {
 
 constexpr double mass = 0.1;  // kg
-constexpr double arm = 0.1;   // m: radius of gyration, first displacement
+constexpr double arm = 0.1;   // m: radius of gyration, initial displacement
 constexpr std::size_t min_steps = 1000;
 
 struct Oscillator {
@@ -35,12 +35,12 @@ Oscillator oscillator_of(const StabilityCell& c) {
 }
 
 struct Energy {
-  double translation = 0, rotation = 0;  // J, motion and spring
+  double translation = 0, rotation = 0;  // J, kinetic and spring
 
   double total() const { return translation + rotation; }
 };
 
-/// The target rests at the origin.
+/// Returns the energy. The target rests at the origin.
 Energy energy_of(const Oscillator& o, const RigidBodyState& x) {
   const double n = x.X_WB.q.vec().norm();
   const double alpha = 2 * std::atan2(n, std::abs(x.X_WB.q.w()));
@@ -61,7 +61,7 @@ class ImplicitBody {
     engage_at(x_, 0, Target{});
   }
 
-  /// False for a fault.
+  /// Returns false for a fault.
   bool step() {
     godobject::step(par_, in_, x_, w_, out_);
     return !any(out_.fault);
@@ -93,8 +93,8 @@ class ExplicitBody {
   RigidBodyState x_;
 };
 
-/// Share of its first energy that the exact oscillation released from rest still has at time t:
-///   x = e^(-z w t) (cos w_d t + z w S),  v = -e^(-z w t) w^2 S,  S = sin(w_d t) / w_d,  0 <= z <= 1.
+/// Returns the share of the initial energy that the exact oscillation, released from rest, has at time t:
+/// x = e^(-z w t) (cos w_d t + z w S),  v = -e^(-z w t) w^2 S,  S = sin(w_d t) / w_d,  0 <= z <= 1.
 double exact_energy_share(double w, double z, double t) {
   const double w_d = w * std::sqrt(1 - z * z);
   const double S = w_d * t > 1e-8 ? std::sin(w_d * t) / w_d : t;
@@ -175,14 +175,14 @@ double explicit_limit(double damping, double inertia_ratio) {
 }
 
 double measured_explicit_limit(double damping) {
-  double low = 0.1, high = 4;  // h sqrt(k / m); stable, unstable
+  double low = 0.1, high = 4;  // bounds of h sqrt(k / m): stable, unstable
   while (high - low > 1e-4) {
     const double wh = (low + high) / 2, k = 1000;
     Oscillator o = oscillator_of({.k = k, .h = 0, .damping = damping, .inertia_ratio = 1});
     o.start.X_WB.q.setIdentity();
     ExplicitBody body(o, wh * std::sqrt(mass / k));
     for (int n = 0; n < 100000; ++n) body.step();
-    // Bounded: without damping the energy only swings (by less than 1e6 short of the limit).
+    // bounded: without damping the energy only oscillates (by less than 1e6 short of the limit)
     const bool bounded =
         energy_of(o, body.state()).translation <= max_energy_ratio * energy_of(o, o.start).translation;
     (bounded ? low : high) = wh;

@@ -1,5 +1,5 @@
-// The stability map: coupling stiffness x step x damping ratio x inertia ratio, for each integrator and for
-// an explicitly integrated coupling as the contrast.
+// Stability map: coupling stiffness x step x damping ratio x inertia ratio, for each integrator and, as
+// contrast, for an explicitly integrated coupling.
 #pragma once
 
 #include <array>
@@ -14,13 +14,14 @@
 
 namespace godobject::study {
 
-/// What a free oscillation did. The target rests, so the exact energy of tool plus spring never rises.
+/// Outcome of a free oscillation. The target rests, so the exact energy of tool plus spring never rises.
 enum class Stability : std::uint8_t {
-  stable,          // none of the below
-  dissipative,     // translation: at some time more than 10 % of the first energy is gone that the exact
-                   // solution still has, within one undamped period (at least one step)
-  energy_gaining,  // the energy rises, from some step to some later one, by more than 1e-9 of the first
-  failed,          // a fault, a number that is not finite, or more than 1e6 times the first energy
+  stable,  // none of the following
+  // translation: within one undamped period (at least one step), it loses over 10 % of the initial energy
+  // more than exact
+  dissipative,
+  energy_gaining,  // the energy rises, between any two steps, by more than 1e-9 of the initial one
+  failed,          // a fault, a value that is not finite, or more than 1e6 times the initial energy
 };
 inline constexpr std::array stability_names{"stable", "dissipative", "energy-gaining", "failed"};
 
@@ -28,13 +29,13 @@ inline constexpr double max_energy_loss = 0.1;
 inline constexpr double max_energy_rise = 1e-9;
 inline constexpr double max_energy_ratio = 1e6;
 
-/// The explicitly integrated coupling of the contrast.
+/// The explicitly integrated coupling, as contrast.
 inline constexpr const char* explicit_name = "explicit";
 inline constexpr std::array stability_schemes{ImplicitEuler::name, TrBdf2::name, explicit_name};
 
-/// Mass 0.1 kg; a rod with moments of inertia I, I, I / inertia_ratio, I = m (0.1 m)^2; k_r = k (0.1 m)^2,
-/// so that translation and the slow rotation have one frequency sqrt(k / m). Starts at rest, 0.1 m and 1 rad
-/// away.
+/// Mass 0.1 kg; a rod with moments of inertia I, I, I / inertia_ratio, I = m (0.1 m)^2; k_r = k (0.1 m)^2.
+/// Translation and the slow rotation thus have the same frequency sqrt(k / m). Starts at rest, 0.1 m and 1
+/// rad away.
 struct StabilityCell {
   double k = 0;              // N/m
   double h = 0;              // s
@@ -48,8 +49,9 @@ struct StabilityResult {
   std::string scheme;  // one of stability_schemes
   StabilityCell cell;
   Stability stability = Stability::failed;
-  double rise = 0;  // largest rise of energy, share of the first; NaN where failed
-  double loss = 0;  // largest loss beyond the exact solution's, share of the first; NaN where failed
+  double rise = 0;  // largest rise of the energy, share of the initial one; NaN if failed
+  // largest loss beyond that of the exact solution, share of the initial energy; NaN if failed
+  double loss = 0;
 };
 
 struct StabilityGrid {
@@ -61,15 +63,16 @@ StabilityGrid stability_grid(bool quick);
 /// Runs one cell for one period of the undamped spring, at least 1000 steps.
 StabilityResult classify(const std::string& scheme, const StabilityCell& cell);
 
-/// Every cell with every scheme: by scheme, damping, inertia ratio, stiffness, step, the last the quickest.
+/// Runs every cell with every scheme: by scheme, damping, inertia ratio, stiffness, step; the last varies
+/// fastest.
 std::vector<StabilityResult> study_stability(const StabilityGrid& grid, const Progress& progress);
 
-/// Largest stable h sqrt(k/m) of the explicitly integrated coupling by theory. Translation: 2 (sqrt(z^2 + 1) - z), with
-/// z = damping / 2. Rotation about the rod's axis, where frequency and z are sqrt(inertia_ratio) times that,
-/// is the tighter one.
+/// Returns the theoretical limit of stable h sqrt(k/m) of the explicitly integrated coupling. Translation: 2
+/// (sqrt(z^2 + 1) - z), with z = damping / 2. Rotation about the rod's axis has the tighter limit: its
+/// frequency and z are sqrt(inertia_ratio) times larger.
 double explicit_limit(double damping, double inertia_ratio = 1);
 
-/// The same, found by bisection on the energy after 100 000 steps, in translation.
+/// Returns the measured limit in translation, by bisection on the energy after 100 000 steps.
 double measured_explicit_limit(double damping);
 
 void write_csv(const std::filesystem::path& file, const std::vector<StabilityResult>& results);

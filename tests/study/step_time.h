@@ -1,4 +1,4 @@
-// How long a step takes.
+// Measures the run time of a step.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,9 @@
 
 namespace godobject::study {
 
-/// Median time of one step, ns, over stretches of up to 1000 steps: long enough for the clock, short enough that most
-/// are not interrupted. The inputs are there before the clock starts; the run begins anew until min_steps are taken.
+/// Returns the median time of one step, ns, over blocks of up to 1000 steps. A block is long enough for the
+/// clock and mostly short enough not to be interrupted. Inputs are computed before the clock starts. The run
+/// restarts until min_steps are done.
 template <Scene S>
 double time_step(CaseRun<S>& run, const std::vector<Input<S>>& inputs, std::size_t min_steps) {
   using Clock = std::chrono::steady_clock;

@@ -1,4 +1,4 @@
-// The study: what the integrators cost and how good they are, as CSV files, figures and a report.
+// The study: cost and accuracy of the integrators, as CSV files, figures and a report.
 #pragma once
 
 #include <filesystem>
@@ -25,10 +25,10 @@ struct StudyOptions {
        nets = true;              // parts
   bool quick = false;            // small grids, well under a minute
   std::filesystem::path out;     // folder of the results; made if absent
-  std::filesystem::path report;  // report.md to write; empty: none. Needs all parts.
+  std::filesystem::path report;  // report.md to write; empty: none. Requires all parts.
   std::filesystem::path shared;  // folder with reference/, may be absent
-  std::filesystem::path
-      probe_directory;  // of the probe program and archives; empty: default_probe_directory()
+  // Folder of the probe program and archives; empty: default_probe_directory().
+  std::filesystem::path probe_directory;
   std::filesystem::path scene_directory;  // with lego.toml; empty: default_scene_directory()
   std::string machine;                    // for the report
   std::string command;                    // for the report
@@ -53,17 +53,17 @@ struct StudyResults {
   std::vector<ContactCostRow> contact_costs;
   NetResults nets;
   double s3_reference_error = 0;   // m
-  std::vector<std::string> notes;  // what was left out, and why
+  std::vector<std::string> notes;  // omitted parts, with the reason
 };
 
 /// Runs the parts, writes <part>.csv, <part>.gp, .png and .svg into `out`, and the report. Throws
-/// std::runtime_error when a file cannot be written.
+/// std::runtime_error if a file cannot be written.
 StudyResults run_study(const StudyOptions& options, const Progress& progress);
 
-/// Where the source has the shipped scenes.
+/// Returns the source folder of the shipped scenes.
 std::filesystem::path default_scene_directory();
 
-/// Compiler and flags of this build.
+/// Returns compiler and flags of this build.
 std::string build_description();
 
 }  // namespace godobject::study

@@ -1,4 +1,4 @@
-// The study of contacts: its measures on what is known in closed form, and what it says of the core.
+// Study of contacts: its measures on closed-form motions, and its results for the core.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 void say_nothing(const std::string&) {}
 
-/// A ball of radius 1 cm that falls from a height and comes back with half its speed, twice.
+/// Returns a ball of radius 1 cm that falls from a height and rebounds with half its speed, twice.
 oracle::Solution ideal_bounces(double g, double height) {
   oracle::Solution solution;
   const auto sample = [&](double t, double z, double v) {
@@ -113,10 +113,10 @@ TEST(ContactStability, GainsNothingAtTheCornersOfTheMap) {
       }
 }
 
-/// The paper's Figs. 5 and 6: a brick that is placed where the device is throws the others about.
-/// Over starts some nm apart: what the pulled brick bears hardly depends on them, 0.5 to 0.6 N; whether bricks jam before
-/// the placed one does, 4.6 to 33 N. How deep they are in each other depends on the start for both, so it is the medians that
-/// differ: 0.07 to 0.4 mm and 0.2 to 1 mm.
+/// Figs. 5 and 6 of the paper: a brick placed at the device's pose ejects the others. Over starts some nm
+/// apart, the force on the pulled brick is 0.5 to 0.6 N. That on the placed one depends on jammed bricks: 4.6
+/// to 33 N. Contact depth depends on the start for both, therefore medians are compared: 0.07 to 0.4 mm and
+/// 0.2 to 1 mm.
 TEST(ImposedStudy, APlacedBrickPressesWhatAGodObjectPushes) {
   double pulled_force = 0, placed_force = 0;  // the worst of all
   std::vector<double> pulled_overlaps, placed_overlaps;

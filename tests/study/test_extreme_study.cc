@@ -1,4 +1,4 @@
-// Maps of extremes and scenes drawn at random: what a cell says, and that a seed is one scene.
+// Maps of extremes and random scenes: contents of a cell, and one scene per seed.
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -1,4 +1,4 @@
-// The stability map of couplings: its four classes, and the limit of the explicit coupling, against theory.
+// Stability map of couplings: its four classes, and the limit of the explicit coupling, against theory.
 #include <gtest/gtest.h>
 
 #include "tests/study/stability_study.h"
@@ -30,7 +30,7 @@ TEST(StabilityStudy, KnowsTheFourClasses) {
   const double limit = explicit_limit(1.4);
   EXPECT_EQ(classify(explicit_name, cell_at(1.2 * limit, 1.4)).stability, Stability::failed);
   EXPECT_EQ(classify(explicit_name, cell_at(0.01 * limit, 1.4)).stability, Stability::stable);
-  // Undamped, the explicit scheme's energy swings by about wh / 2 and stays bounded.
+  // Undamped, the explicit scheme's energy oscillates by about wh / 2 and stays bounded.
   const StabilityResult swinging = classify(explicit_name, cell_at(0.1, 0));
   EXPECT_EQ(swinging.stability, Stability::energy_gaining);
   EXPECT_NEAR(swinging.rise, 0.1, 0.05);
@@ -39,7 +39,7 @@ TEST(StabilityStudy, KnowsTheFourClasses) {
 }
 
 TEST(StabilityStudy, ImplicitEulerLosesWhatItsTheorySays) {
-  // One step from rest: the energy falls to 1 / (1 + (wh)^2) of the first, the exact one stays.
+  // One step from rest: the energy falls to 1 / (1 + (wh)^2) of the initial one, the exact energy stays.
   const double wh = 10;
   EXPECT_NEAR(classify("implicit-euler", cell_at(wh, 0)).loss, 1 - 1 / (1 + wh * wh), 1e-9);
 }

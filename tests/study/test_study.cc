@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 void say_nothing(const std::string&) {}
 
-/// A folder that goes away with the test.
+/// A folder removed at the end of the test.
 class Folder {
  public:
   Folder() {
@@ -44,7 +44,7 @@ std::string text_of(const fs::path& file) {
   return text;
 }
 
-/// A quick run of everything, once, and what it left behind.
+/// A quick run of all parts, done once, with its output files.
 struct QuickRun {
   QuickRun() {
     StudyOptions options;
@@ -119,7 +119,7 @@ void expect_report(const QuickRun& run) {
   EXPECT_EQ(report.find("nan"), std::string::npos);
 }
 
-/// Undamped, the error of the second-order scheme swings: nothing takes it out.
+/// Undamped, the error of the second-order scheme oscillates without decay.
 void expect_implicit_integrators_gain_nothing(const QuickRun& run) {
   for (const StabilityResult& r : run.results.stability) {
     if (r.scheme == explicit_name) continue;
@@ -130,7 +130,7 @@ void expect_implicit_integrators_gain_nothing(const QuickRun& run) {
   }
 }
 
-/// (5) with the gains of the old state diverges wherever it is tried, the others nowhere.
+/// Stabilisation (5) with the gains of the old state diverges in every case, the others in none.
 void expect_joints_held(const QuickRun& run) {
   EXPECT_EQ(lines_of(run.out("joint-drift.csv")).size(), run.results.joint_drift.size() + 1);
   EXPECT_EQ(lines_of(run.out("joint-stability.csv")).size(), run.results.joint_stability.size() + 1);
@@ -161,7 +161,7 @@ void expect_contacts(const QuickRun& run) {
   EXPECT_LT(run.results.piles[0].worst.force, run.results.piles[1].worst.force);
 }
 
-/// Nets that are stiff, light and hardly damped may gain (decision 048): none may be lost.
+/// Stiff, light and hardly damped nets may gain energy (decision 048); none may fail.
 void expect_nothing_gains_or_moves_in_silence(const QuickRun& run) {
   ASSERT_EQ(run.results.extremes.size(), 5u);
   for (const ExtremeMap& map : run.results.extremes) {
@@ -218,7 +218,7 @@ TEST(Study, QuickRunWritesTablesFiguresAndReport) {
   expect_report(run);
 }
 
-/// The compositions with one body; instructions are counted by the probe at `counted`.
+/// Returns the compositions with one body. counted: probe that counts instructions.
 std::vector<FootprintRow> quick_footprint(const fs::path& counted) {
   InstructionCounter counter(counted);
   std::string why_not;
@@ -234,7 +234,7 @@ TEST(FootprintStudy, LeavingAPartOutLeavesItsDataAndCodeOut) {
     ASSERT_NE(row, nullptr) << name;
     if (smaller != nullptr) {
       EXPECT_GT(row->state_bytes + row->params_bytes, smaller->state_bytes + smaller->params_bytes) << name;
-      // Where size or valgrind is missing neither has a number.
+      // without size or valgrind, both rows have no number
       EXPECT_TRUE(!row->code_bytes || *row->code_bytes > smaller->code_bytes) << name;
       EXPECT_TRUE(!row->instructions || *row->instructions > smaller->instructions) << name;
     }
@@ -276,7 +276,8 @@ TEST(InstructionCount, DependsOnTheMotionForGeometricStiffnessAlone) {
     const std::optional<double> fast = counter.per_step(composition, motion),
                                 slow = counter.per_step(composition, std::string(motion) + "-slow");
     ASSERT_TRUE(fast && slow) << composition;
-    // Decision 040: a joint's geometric stiffness is worked out where a stage feels it, at most in every step.
+    // Decision 040: a joint's geometric stiffness is computed only if a stage needs it, at most in every
+    // step.
     const bool is_felt = composition == std::string_view("pose-joints-4 implicit-euler");
     if (!is_felt) {
       EXPECT_EQ(*fast, *slow) << composition;

@@ -8,7 +8,7 @@
 namespace godobject::study {
 namespace {
 
-/// One argument as the shell reads it back unchanged.
+/// Quotes an argument such that the shell reads it unchanged.
 std::string quoted(const std::string& argument) {
   std::string result = "'";
   for (const char c : argument) {

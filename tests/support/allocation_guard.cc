@@ -48,7 +48,7 @@ constexpr std::array<const char*, num_watched> names{"malloc",
                                                      "clock_nanosleep",
                                                      "clock_gettime"};
 
-// Plain data of static size: a thread's first access allocates nothing.
+// Plain data of static size, because a thread's first access must not allocate.
 thread_local bool armed = false;
 thread_local std::array<long, num_watched> counts{};
 
@@ -93,7 +93,7 @@ void count(Watched call) noexcept {
   if (armed) ++counts[call];
 }
 
-/// libc's own function, hidden by ours of the same name.
+/// Returns libc's function, which ours of the same name hides.
 template <class Function>
 Function* next(const char* name) noexcept {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
@@ -103,8 +103,8 @@ Function* next(const char* name) noexcept {
 
 using namespace godobject;
 
-// glibc's allocator under its other names: looking it up with dlsym would itself allocate.
-// operator new and delete of libstdc++ end up here too.
+// Other names of glibc's allocator, because a look-up with dlsym would allocate. operator new and delete of
+// libstdc++ also end here.
 // NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the library's own names are reserved.
 extern "C" {
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming): glibc's

@@ -1,12 +1,13 @@
-// Counts what a real-time loop must not do: heap, locks, sleeping, I/O, reading the clock.
+// Counts calls that a real-time loop must not make: heap, locks, sleeping, I/O, reading the clock.
 #pragma once
 
 #include <string>
 
 namespace godobject {
 
-/// Arms the calling thread's counters while it lives. Works by functions of the same names as libc's, linked
-/// into the test program (allocation_guard.cc); nothing else of libc is watched. Not to be nested.
+/// Counts calls of the constructing thread during its lifetime. Functions named as libc's, linked into the
+/// test program (allocation_guard.cc), do the counting; other libc functions are not counted. Not to be
+/// nested.
 ///
 ///   AllocationGuard guard;
 ///   step(...);
@@ -18,16 +19,16 @@ class AllocationGuard {
   AllocationGuard(const AllocationGuard&) = delete;
   AllocationGuard& operator=(const AllocationGuard&) = delete;
 
-  /// Stops counting; asked for by what itself allocates, like report().
+  /// Stops counting, for functions that allocate themselves, such as report().
   void disarm() noexcept;
-  /// Watched calls of this thread since construction.
+  /// Returns the counted calls of this thread since construction.
   long calls() const noexcept;
-  /// Of these, the allocator's: for what may read the clock and its own descriptors.
+  /// Returns the allocator's calls only, for code that may read the clock and its own descriptors.
   long heap_calls() const noexcept;
-  /// Name and number of each watched function that was called. Disarms.
+  /// Returns name and number of each counted function that was called. Disarms.
   std::string report();
 
-  /// False where the program's libc functions belong to a sanitizer: then nothing is counted.
+  /// Returns false if a sanitizer provides the libc functions: then nothing is counted.
   static bool works() noexcept;
 };
 

@@ -1,4 +1,4 @@
-// The program in the background, spoken to by its standard input and output.
+// The program in the background, controlled by its standard input and output.
 #pragma once
 
 #include <signal.h>
@@ -15,7 +15,7 @@ namespace godobject::test {
 
 class BackgroundProgram {
  public:
-  /// Runs `godobject <arguments>` from the source directory; closed: descriptors that it begins without.
+  /// Runs `godobject <arguments>` from the source directory. closed: descriptors closed at its start.
   explicit BackgroundProgram(const std::vector<std::string>& arguments, const std::vector<int>& closed = {}) {
     int to_child[2], from_child[2];
     if (pipe(to_child) != 0 || pipe(from_child) != 0) return;
@@ -46,7 +46,7 @@ class BackgroundProgram {
   BackgroundProgram(const BackgroundProgram&) = delete;
   BackgroundProgram& operator=(const BackgroundProgram&) = delete;
 
-  /// Waits for its end.
+  /// Sends a signal and waits for the end.
   void end_by(int signal) {
     if (pid_ > 0) kill(pid_, signal);
     if (pid_ > 0) waitpid(pid_, nullptr, 0);
@@ -54,7 +54,7 @@ class BackgroundProgram {
   }
 
   pid_t pid() const { return pid_; }
-  /// Waits for its end; as waitpid() has it.
+  /// Waits for the end and returns the status of waitpid().
   int wait_status() {
     int status = 0;
     if (pid_ > 0) waitpid(pid_, &status, 0);
@@ -62,19 +62,19 @@ class BackgroundProgram {
     return status;
   }
 
-  /// The next line, without its end; empty at the end of the output.
+  /// Returns the next line, without its end; empty at the end of the output.
   std::string line() {
     std::string text;
     if (!out_) return text;
     for (int c = std::fgetc(out_); c != EOF && c != '\n'; c = std::fgetc(out_)) text += static_cast<char>(c);
     return text;
   }
-  /// One command, whose answer is left unread.
+  /// Sends a command and leaves its answer unread.
   void tell(const std::string& command) {
     std::fprintf(in_, "%s\n", command.c_str());
     std::fflush(in_);
   }
-  /// One command; returns the line of the answer.
+  /// Sends a command and returns the line of its answer.
   std::string say(const std::string& command) {
     tell(command);
     return line();

@@ -1,4 +1,4 @@
-// How deep two boxes are in each other, by their separating axes, plainly.
+// Penetration of two boxes by their separating axes, a simple reference.
 #pragma once
 
 #include <algorithm>
@@ -9,23 +9,23 @@
 
 namespace godobject::box_overlap {
 
-/// In the world.
+/// A box in the world.
 struct PosedBox {
   Vec3 p, h;  // centre, half extents
   Mat3 R;
 };
 
-/// How far a box reaches along a direction from its centre.
+/// Returns the extent of a box along a direction from its centre, m.
 inline Real reach_along(const PosedBox& box, const Vec3& n) {
   return (box.R.transpose() * n).cwiseAbs().dot(box.h);
 }
 
-/// Depth of a in b along a direction n from b to a, or from a to b; < 0: apart.
+/// Returns the depth of a in b along a direction n from b to a, or from a to b, m; < 0: separated.
 inline Real overlap_along(const Vec3& n, const PosedBox& a, const PosedBox& b) {
   return reach_along(a, n) + reach_along(b, n) - std::abs(n.dot(a.p - b.p));
 }
 
-/// Along the normals of their faces.
+/// Returns the least overlap along the normals of both boxes' faces.
 inline Real overlap_of_faces(const PosedBox& a, const PosedBox& b) {
   Real least = std::numeric_limits<Real>::infinity();
   for (int k = 0; k < 3; ++k)
@@ -33,9 +33,9 @@ inline Real overlap_of_faces(const PosedBox& a, const PosedBox& b) {
   return least;
 }
 
-/// An axis square to edge i of a and edge j of b, from b to a. sine: between the edges.
+/// Axis perpendicular to edge i of a and edge j of b, from b to a. sine: of the angle between the edges.
 struct EdgeAxis {
-  int i = -1, j = -1;  // none
+  int i = -1, j = -1;  // -1: none
   Real sine = 0, overlap = std::numeric_limits<Real>::infinity();
   Vec3 n = Vec3::Zero();
 };
@@ -46,7 +46,7 @@ inline EdgeAxis edge_axis(int i, int j, const PosedBox& a, const PosedBox& b) {
   axis.overlap = overlap_along(axis.n, a, b);
   return axis;
 }
-/// Of those whose edges are not parallel, the one along which they are least deep.
+/// Returns the axis of least overlap among the edge pairs that are not parallel.
 inline EdgeAxis least_edge_axis(Real min_sine, const PosedBox& a, const PosedBox& b) {
   EdgeAxis least;
   for (int i = 0; i < 3; ++i)
@@ -56,7 +56,7 @@ inline EdgeAxis least_edge_axis(Real min_sine, const PosedBox& a, const PosedBox
   return least;
 }
 
-/// Along all of the fifteen axes, those of parallel edges left out: faces stand for them.
+/// Returns the least overlap along the fifteen axes, except those of parallel edges, which faces cover.
 inline Real overlap(const PosedBox& a, const PosedBox& b) {
   return std::min(overlap_of_faces(a, b), least_edge_axis(Real(1e-6), a, b).overlap);
 }

@@ -1,4 +1,4 @@
-// A cable between two ends in one program: a bus of the host at one, whatever the test puts at the other.
+// A cable between two ends in one program: the host's bus at one, the test's device at the other.
 #pragma once
 
 #include <sys/socket.h>
@@ -11,7 +11,7 @@
 
 namespace godobject::test {
 
-/// Frames travel as packets of a socket pair, which is made anew each time the host opens its end. The far end
+/// Frames are packets of a socket pair, which is recreated each time the host opens its end. The far end
 /// belongs to one other thread.
 class Cable {
  public:
@@ -20,7 +20,7 @@ class Cable {
       if (fd >= 0) ::close(fd);
   }
 
-  /// The host's end; -1 while the cable is unplugged.
+  /// Opens the host's end; returns -1 while the cable is unplugged.
   int open_host() {
     if (!plugged_) {
       ++refused_opens_;

@@ -1,5 +1,5 @@
-// The step of a scene that many tests run is compiled in one unit, since it takes g++ ten seconds: others of the same
-// program say `extern GODOBJECT_STEP_OF(scene);`, that one without `extern`.
+// The step of a scene used by many tests is compiled in one unit, because it takes g++ ten seconds. Other
+// units of the program declare `extern GODOBJECT_STEP_OF(scene);`, that unit declares it without `extern`.
 #pragma once
 
 #include "core/step.h"

@@ -1,4 +1,4 @@
-// Pieces of scenes with contacts, by value.
+// Components of scenes with contacts, by value.
 #pragma once
 
 #include <string>

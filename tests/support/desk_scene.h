@@ -1,4 +1,4 @@
-// A scene as a new user writes it: a tool on three slides with encoders and drives, everything else by default.
+// A scene as written by a new user: a tool on three sliders with encoders and drives, otherwise defaults.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 namespace godobject::test {
 
-/// feedback, plant: lines of [body.feedback] and [device.plant].
+/// Returns the scene. feedback, plant: lines of [body.feedback] and [device.plant].
 inline std::string desk_scene(const std::string& feedback, const std::string& plant = "") {
   std::string text =
       "[scene]\nname = \"mine\"\nduration = 6.0\n"
@@ -32,7 +32,7 @@ inline std::string desk_scene(const std::string& feedback, const std::string& pl
   return text;
 }
 
-/// A carriage of one gram and a damper that no such device bears: what the defaults once came to.
+/// A carriage of 1 g with a damper too strong for such a device: former defaults.
 inline const std::string light_plant =
     "inertia = 1e-3\ndamping = 1e-2\nfriction = 1e-3\nhand_stiffness = 20\nhand_damping = 0.5\n";
 inline const std::string heavy_feedback = "stiffness = 125\ndamping = 2.5\n";

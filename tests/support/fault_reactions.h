@@ -1,4 +1,4 @@
-// What sim/fault/promise.h promises, as it is played on test::FaultyRig.
+// Promises of sim/fault/promise.h, injected on test::FaultyRig.
 #pragma once
 
 #include <cmath>
@@ -10,18 +10,18 @@
 
 namespace godobject::test {
 
-/// From the fault of a drive that hears nothing any more to its own watchdog, with a cycle on either side.
+/// From the fault of a drive that receives nothing to its own watchdog, plus one cycle on either side.
 inline constexpr int cycles_of_watchdog = 22;
 /// stale_after and lost_after are 3 and 100 cycles.
 inline constexpr int cycles_of_loss = 108;
-/// In which a joint of FaultyRig moves by its max_slip, wherever its motion is.
+/// Cycles in which a joint of FaultyRig moves by its max_slip, at any phase of its motion.
 inline constexpr int cycles_of_travel = 500;
 
 inline void replace(std::string& text, const std::string& word, const std::string& by) {
   if (const std::size_t at = text.find(word); at != std::string::npos) text.replace(at, word.size(), by);
 }
 
-/// The words of a promise for a rig whose encoders are nodes 1 and 2 on can0, whose drives are so on can1.
+/// Returns the words of a promise for a rig with encoders 1 and 2 on can0 and drives 1 and 2 on can1.
 inline std::string words_for(const FaultPromise& promise, const RigParams& rig) {
   std::string words(promise.words);
   replace(words, "ENCODER", "bus=can0 node=1");
@@ -38,8 +38,8 @@ inline std::string words_for(const FaultPromise& promise, const RigParams& rig) 
 
 struct FaultReaction {
   std::string words;
-  RigFault expected = RigFault::none;  // one of its bits at least; none: no fault may come up
-  int within = 0;                      // cycles, to the first
+  RigFault expected = RigFault::none;  // at least one of its bits; none: no fault may be raised
+  int within = 0;                      // cycles until the first
 };
 
 inline std::ostream& operator<<(std::ostream& out, const FaultReaction& reaction) {
@@ -51,7 +51,7 @@ inline std::vector<FaultReaction> fault_reactions(const RigParams& rig) {
   for (const FaultPromise& promise : fault_promises()) {
     FaultReaction reaction{.words = words_for(promise, rig)};
     for (const PromisedFault& promised : promise.faults) {
-      // what takes travel may be preceded by what takes none
+      // a fault that needs travel may be preceded by one that does not
       const bool may_be_first = promised.always || promised.fault == RigFault::send_refused ||
                                 promise.faults[0].within == FaultDelay::travel;
       if (promised.fault == RigFault::none || !may_be_first) continue;

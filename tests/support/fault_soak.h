@@ -1,5 +1,5 @@
-// Faults at random, one after the other, for a long time of the bus: each is seen, named as documented and recovered
-// from, with the motors at zero within the watchdog's time.
+// Random faults, one after the other, for a long bus time: each is detected, named as documented and
+// recovered from, with zero torque within the watchdog time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 
 namespace godobject::test {
 
-/// Bus time, from GODOBJECT_SOAK_SECONDS: 3600 is the hour of the release.
+/// Returns the bus time from GODOBJECT_SOAK_SECONDS, s: 3600 for a release.
 inline double soak_seconds(double unless_given) {
   const char* const text = std::getenv("GODOBJECT_SOAK_SECONDS");
   return text ? std::strtod(text, nullptr) : unless_given;
@@ -30,7 +30,7 @@ class FaultSoak {
   }
   virtual ~FaultSoak() = default;
 
-  /// In rounds of all kinds, in an order of its own each; the last one begins before `seconds` are over.
+  /// Runs rounds of all kinds, each in a random order; the last round begins before `seconds` are over.
   void run(double seconds) {
     ASSERT_TRUE(device.boot()) << device.rig.fault_text();
     double reported_s = 0;
@@ -50,7 +50,7 @@ class FaultSoak {
 
  protected:
   virtual void begin(const FaultReaction& reaction) { device.play(reaction.words); }
-  /// Ends all that is active and brings every controller back on its bus.
+  /// Ends all active faults and restarts every controller.
   virtual void repair() {
     device.link.rig().faults().clear(device.t_sync_ns);
     device.play("restart");
@@ -62,12 +62,12 @@ class FaultSoak {
   FaultyRigOn<Link> device;
 
  private:
-  static constexpr int cycles_of_late_watch = 120;  // the host's heartbeat is 100 ms
+  static constexpr int cycles_of_late_watch = 120;  // the host's heartbeat has 100 ms
 
   struct Kind {
     FaultReaction reaction;
     int played = 0;
-    // The longest, in cycles:
+    // Largest values, cycles:
     int to_fault = 0;
     int to_zero = 0;
   };
@@ -94,8 +94,8 @@ class FaultSoak {
     EXPECT_EQ(device.motor_torque(), 0);
     device.rig.clear_faults(device.t_sync_ns);
     if (device.boot() && !device.cycles_to_fault(cycles_of_late_watch)) return;
-    // A drive that could not hear the host has its own watch over it run out while it boots, or up to a heartbeat
-    // later. That is cleared as any other fault.
+    // A drive that could not receive the host may report its own supervision timeout while it boots, or up to
+    // one heartbeat later. It is cleared as any other fault.
     EXPECT_NE(device.rig.fault_text().find("0x8130"), std::string::npos) << device.rig.fault_text();
     device.cycles(100);
     device.rig.clear_faults(device.t_sync_ns);
@@ -118,7 +118,7 @@ class FaultSoak {
     kind.to_zero = std::max(kind.to_zero, to_zero.value_or(0));
   }
 
-  /// What the user reads names the bus on which the fault was played.
+  /// Checks that the fault text names the bus of the injected fault.
   void expect_place(const std::string& words) {
     const std::size_t at = words.find("bus=");
     if (at == std::string::npos) return;

@@ -1,5 +1,5 @@
-// A small haptic device on simulated buses, with its host and a hand that moves it, for playing faults: turret and
-// elbow, each with an encoder on can0 (nodes 1, 2) and a drive on can1 (nodes 1, 2).
+// A small haptic device on simulated buses, with its host and a hand that moves it, for fault injection:
+// turret and elbow, each with an encoder on can0 (nodes 1, 2) and a drive on can1 (nodes 1, 2).
 #pragma once
 
 #include <algorithm>
@@ -94,7 +94,7 @@ amplitude = 0.3
 frequency_hz = 0.9
 )";
 
-/// Of machines that are slow at times: samples may be late, the drives' deadlines are as they are.
+/// Scene for temporarily slow machines: samples may be late, the drives' deadlines are unchanged.
 inline std::string patient_toml() {
   std::string text = two_joints_toml;
   text.insert(text.find("[[body]]"), "step = 5e-3\n");
@@ -119,8 +119,8 @@ inline RigProfiles profiles_of(const SceneConfig& scene) {
   return std::move(loaded.profiles);
 }
 
-/// The rig's cycles as a session runs them, with a constant wrench shown to the hand. Link: a RigLink that is made
-/// as SimLink is and has its rig(). The nodes have been set up by the scene's profiles.
+/// Cycles of the rig as in a session, with a constant displayed wrench. Link: a RigLink constructed like
+/// SimLink, with rig(). The nodes are set up by the scene's profiles.
 template <class Link>
 class FaultyRigOn {
  public:
@@ -146,7 +146,7 @@ class FaultyRigOn {
   void cycles(int count) {
     for (int i = 0; i < count; ++i) cycle();
   }
-  /// Up to armed, with torque on the motors; false after 2 s.
+  /// Boots and arms, with torque on the motors; returns false after 2 s.
   bool boot() {
     if (rig.state() == RigState::off) rig.start(t_sync_ns);
     for (int i = 0; i < 2000 && rig.state() != RigState::ready; ++i) cycle();
@@ -154,7 +154,7 @@ class FaultyRigOn {
     cycles(50);
     return rig.state() == RigState::armed && motor_torque() > 0;
   }
-  /// As in "emcy bus=can1 node=2"; it begins with the next cycle.
+  /// Injects a fault, e.g. "emcy bus=can1 node=2", from the next cycle on.
   void play(const std::string& words) {
     std::string error;
     const std::optional<FaultConfig> config = parse_fault(words, error);
@@ -162,7 +162,7 @@ class FaultyRigOn {
     if (!found.fault || !link.rig().faults().schedule(*found.fault))
       throw std::runtime_error(words + ": " + error + found.error);
   }
-  /// Cycles until a fault comes up; none when there is none in `limit` cycles.
+  /// Returns the cycles until a fault is raised; nullopt if none within `limit` cycles.
   std::optional<int> cycles_to_fault(int limit) {
     for (int i = 1; i <= limit; ++i) {
       cycle();
@@ -170,7 +170,7 @@ class FaultyRigOn {
     }
     return std::nullopt;
   }
-  /// Cycles until no motor makes torque; none when there still is in `limit` cycles.
+  /// Returns the cycles until no motor has torque; nullopt if not within `limit` cycles.
   std::optional<int> cycles_to_zero(int limit) {
     for (int i = 0; i <= limit; ++i) {
       if (motor_torque() == 0) return i;
@@ -178,7 +178,7 @@ class FaultyRigOn {
     }
     return std::nullopt;
   }
-  /// Largest absolute one at a motor's shaft, N m.
+  /// Returns the largest absolute torque at a motor shaft, N m.
   double motor_torque() {
     double largest = 0;
     for (std::size_t i = 0; i < rig.num_drives(); ++i)

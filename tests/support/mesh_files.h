@@ -1,4 +1,4 @@
-// Small solids as the text of mesh files, in each format that is read, and what may happen to such a file.
+// Small solids as mesh files in each supported format, and mutations of such files.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// Corner i of the unit cube; its faces have four corners, counter-clockwise from outside.
+/// Returns corner i of the unit cube; its faces have four corners, counter-clockwise from outside.
 inline Vec3 cube_corner(int i) { return {Real(i & 1), Real(i >> 1 & 1), Real(i >> 2 & 1)}; }
 inline constexpr int cube_faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                          {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
@@ -23,7 +23,7 @@ inline std::string text_of(const Vec3& p) {
   return std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
 }
 
-/// The bytes of a number in the order of a binary file.
+/// Returns the bytes of a number in the byte order of a binary file.
 template <class T>
 std::string bytes_of(T value, std::endian order = std::endian::little) {
   std::string bytes(sizeof value, '\0');
@@ -107,7 +107,7 @@ inline std::string cube_binary_ply(std::endian order) {
   return bytes;
 }
 
-/// A cube in a format: the extension that says so, and its bytes.
+/// A cube in a format: file extension and bytes.
 struct MeshFileText {
   const char* extension;
   std::string bytes;
@@ -122,8 +122,8 @@ inline std::vector<MeshFileText> cubes_in_every_format() {
           {".stl", cube_binary_stl()}};
 }
 
-/// The file with one to eight things done to it that damage, a careless writer or an ill-willed one does: a byte or a
-/// bit changed, a part cut out, doubled or moved, the end missing, a number replaced by one that does not fit.
+/// Returns the file with one to eight mutations by damage, careless writers or attackers: a byte or bit
+/// changed, a range removed, duplicated or moved, the end missing, a number replaced by an invalid one.
 inline std::string mutated(std::string file, std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto below = [&](std::size_t n) { return n == 0 ? std::size_t{0} : random() % n; };

@@ -1,4 +1,4 @@
-// Recorded conversations with NDI trackers, in the three forms of the shared folder.
+// Recorded exchanges with NDI trackers, in the three formats of the shared folder.
 #pragma once
 
 #include <cctype>
@@ -11,9 +11,9 @@
 
 namespace godobject::test {
 
-/// One command and the bytes that came back, as on the wire.
+/// One command and the received bytes, as on the wire.
 struct NdiExchange {
-  std::string command;  // without CR; empty for what came unasked
+  std::string command;  // without CR; empty for unsolicited bytes
   std::vector<std::uint8_t> reply;
 };
 
@@ -22,7 +22,7 @@ inline std::string whole_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// "sent:0019 = ..." and "recv:0019 = ...", with LF where the wire has CR.
+/// Reads "sent:0019 = ..." and "recv:0019 = ...", with LF where the wire has CR.
 inline std::vector<NdiExchange> read_tagged_stream(const std::filesystem::path& path) {
   const std::string text = whole_file(path);
   std::vector<NdiExchange> all;
@@ -47,7 +47,7 @@ inline std::vector<NdiExchange> read_tagged_stream(const std::filesystem::path& 
   return all;
 }
 
-/// `\xHH` and `\\` of the escaped form.
+/// Decodes `\xHH` and `\\` of the escaped format.
 inline std::string unescaped(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -63,7 +63,8 @@ inline std::string unescaped(const std::string& text) {
   return out;
 }
 
-/// "12. command[10] ..." and "12. receive[10] ...": the number of bytes stands in brackets. A reply may be in parts.
+/// Reads "12. command[10] ..." and "12. receive[10] ...", with the number of bytes in brackets. A reply may
+/// be split.
 inline std::vector<NdiExchange> read_counted_stream(const std::filesystem::path& path, bool escaped) {
   const std::string text = whole_file(path);
   std::vector<NdiExchange> all;

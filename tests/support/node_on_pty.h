@@ -1,4 +1,4 @@
-// A simulated node behind a pseudo-terminal, played on a thread of its own as another program would.
+// A simulated node behind a pseudo-terminal, run on its own thread like another program.
 #pragma once
 
 #include <algorithm>
@@ -32,13 +32,13 @@ class NodeOnPty {
 
   const std::string& name() const { return name_; }
 
-  /// On the thread that calls, with the node standing still.
+  /// Calls a function on the calling thread, while the node is paused.
   template <class Function>
   auto call(const Function& function) {
     const std::lock_guard lock(mutex_);
     return function(*node_);
   }
-  /// False: not within ten seconds.
+  /// Waits until the condition holds; returns false after ten seconds.
   bool wait_until(const std::function<bool(Node&)>& condition) {
     constexpr int attempts = 1000;
     for (int i = 0; i < attempts && !call(condition); ++i)
@@ -50,13 +50,13 @@ class NodeOnPty {
     condition_ = std::move(condition);
     function_ = std::move(function);
   }
-  /// As a host that runs the bus would.
+  /// Sends SYNCs, as the host of the bus would.
   void send_syncs(bool on) { syncs_ = on; }
-  /// From now on the node hears and says nothing.
+  /// Silences the node: from now on it neither receives nor sends.
   void silence() { silent_ = true; }
 
  protected:
-  /// move: the mechanics, called with the time since the last call, a millisecond at most, s.
+  /// move: mechanics, called with the time since the last call, s, at most 1 ms.
   void start(std::function<void(Node&, double)> move) {
     thread_ = std::thread([this, move = std::move(move)] {
       for (Nanoseconds t_last_ns = MonotonicClock().now(); !stop_;) {
@@ -66,12 +66,12 @@ class NodeOnPty {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     });
-    // The node boots when its bus first takes a frame; what comes before that it does not hear.
+    // The node boots when its bus first accepts a frame; frames before that are lost to it.
     static_cast<void>(run_program("sdo --bus slcan:" + name_ + " --node 1 --timeout 0.1 read 1000"));
   }
 
  private:
-  static constexpr double longest_step = 1e-3;  // s, of the mechanics, however late this thread is
+  static constexpr double longest_step = 1e-3;  // s, of the mechanics, independent of delays of this thread
 
   void step(Nanoseconds now, double dt, const std::function<void(Node&, double)>& move) {
     const std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
-// A six-joint arm in the manner of the large Phantom devices: yaw, shoulder, elbow, and a gimbal
-// whose three axes meet in the handle. At q = 0 the handle is at the world origin, axes aligned.
+// A six-joint arm like the large Phantom devices: yaw, shoulder, elbow, and a gimbal whose three axes meet in
+// the handle. At q = 0 the handle is at the world origin, axes aligned.
 #pragma once
 
 #include <array>

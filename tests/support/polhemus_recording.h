@@ -1,4 +1,4 @@
-// Recorded Fastrak poses: 4 x 4 matrices in text, one after the other, in metres.
+// Recorded Fastrak poses: consecutive 4 x 4 matrices in text, m.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline std::vector<Pose> read_matrices(const std::filesystem::path& path) {
   }
 }
 
-/// The recorded files of a folder, in the order of their names.
+/// Returns the recorded files of a folder, sorted by name.
 inline std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder,
                                                      const char* extension) {
   std::vector<std::filesystem::path> files;

@@ -1,4 +1,4 @@
-// Recorded motions of hands as paths in time, and what a slow, late tracker makes of them.
+// Recorded hand motions as paths in time, and their samples by a slow, delayed tracker.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Recording {
   std::vector<Pose> poses;
 
   double duration() const { return static_cast<double>(poses.size() - 4) / rate_hz; }
-  /// Catmull-Rom through the positions: the path that the hand is taken to have gone. t: s, in [0, duration()].
+  /// Returns the assumed path of the hand: Catmull-Rom through the positions. t: s, in [0, duration()].
   Target at(double t) const {
     const double x = std::clamp(t, 0.0, duration()) * rate_hz + 1;
     const auto i = static_cast<std::size_t>(x);
@@ -36,7 +36,7 @@ struct Recording {
   Vec3 speed(std::size_t i) const { return 0.5 * rate_hz * (poses[i + 1].p - poses[i - 1].p); }
 };
 
-/// The stylus of the PLUS recording, 15 Hz.
+/// Stylus of the PLUS recording, 15 Hz.
 inline Recording read_plus_stylus() {
   Recording recording{.name = "PLUS stylus", .rate_hz = 15, .poses = {}};
   std::ifstream in(shared_file("data/plus_tracker/EightLandmarkPointsTrackedForPhantomRegistration.igs.mha"));
@@ -51,7 +51,7 @@ inline Recording read_plus_stylus() {
   return recording;
 }
 
-/// The longest run of consecutive frames of the Polaris recording, 60 Hz.
+/// Longest run of consecutive frames of the Polaris recording, 60 Hz.
 inline Recording read_polaris() {
   Recording best{.name = "NDI Polaris", .rate_hz = 60, .poses = {}}, run = best;
   const auto path = shared_file("data/ndi/streams/polaris_stream_03_31_2005_1.txt");
@@ -78,7 +78,7 @@ inline Recording read_fastrak() {
           .poses = read_matrices(shared_file("data/polhemus_fastrak_hand/user3_cup1.traj"))};
 }
 
-/// Distinct poses of the DESK recording as the robot delivered them, about 120 Hz.
+/// Distinct poses of the DESK recording as sent by the robot, about 120 Hz.
 inline Recording read_desk() {
   Recording recording{.name = "DESK", .rate_hz = 120, .poses = {}};
   std::ifstream in(shared_file("data/desk_taurus/S5_T2_left_kinematics.txt"));

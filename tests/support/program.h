@@ -1,4 +1,4 @@
-// The program as its user runs it.
+// The program as run by a user.
 #pragma once
 
 #include <sys/wait.h>
@@ -17,10 +17,11 @@ namespace godobject::test {
 
 struct ProgramResult {
   int exit_code = -1;
-  std::string output;  // both streams
+  std::string output;  // standard output and standard error
 };
 
-/// Runs `godobject <arguments>` in a shell, from the source directory; prefix: what runs it, as "timeout 1 ".
+/// Runs `godobject <arguments>` in a shell, from the source directory. prefix: command that runs it, e.g.
+/// "timeout 1 ".
 inline ProgramResult run_program(const std::string& arguments, const std::string& prefix = "") {
   ProgramResult result;
   const std::string command =
@@ -40,7 +41,7 @@ inline std::string read_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// A directory of this test's own, empty at the start, removed at the end.
+/// A test with its own directory, empty at the start, removed at the end.
 class ProgramTest : public testing::Test {
  protected:
   ProgramTest() {

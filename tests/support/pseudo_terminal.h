@@ -1,4 +1,4 @@
-// A pseudo-terminal whose master a test holds: the device at the other end of a serial line.
+// A pseudo-terminal with the master held by a test: the device at the other end of a serial line.
 #pragma once
 
 #include <fcntl.h>
@@ -27,7 +27,7 @@ class PseudoTerminal {
     return write(master_, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   }
 
-  /// Everything until `size` bytes have come, or none has for so long.
+  /// Returns the bytes received until there are `size`, or none arrives for timeout_ms.
   std::string receive(std::size_t size, int timeout_ms = 1000) const {
     std::string text;
     pollfd waiting{.fd = master_, .events = POLLIN, .revents = 0};

@@ -1,4 +1,4 @@
-// The device's end of the cables: a simulated rig in wall time, on a thread of its own.
+// Device end of the cables: a simulated rig in wall-clock time, on its own thread.
 #pragma once
 
 #include <pthread.h>
@@ -19,10 +19,10 @@
 
 namespace godobject::test {
 
-/// Begins with the constructor, ends with the destructor or stop(); the logs are to be read after that.
+/// Runs from the constructor to the destructor or stop(); read the logs after that.
 class RigPlayer {
  public:
-  /// on_sync: called on the player's thread with the number of SYNCs seen on bus 0 so far.
+  /// on_sync: called on the player's thread with the number of SYNCs on bus 0 so far.
   RigPlayer(const SceneConfig& scene, const Motion& motion,
             std::function<void(RigPlayer&, std::uint64_t)> on_sync = {})
       : rig_(sim_rig_config(scene), hand_of(motion)),
@@ -46,18 +46,19 @@ class RigPlayer {
   std::vector<std::vector<CanFrame>> got, sent;  // per bus, in order
 
  private:
-  /// Its time passes slowly: the deadlines of its drives are not to be missed by a machine that stalls.
+  /// Time scale: its time is slowed down, so that a stalling machine does not miss the drives' deadlines.
   static constexpr Nanoseconds slowness = 4;
 
   void run() {
-    // A device answers in time however busy the machine is, where that may be asked for: drives have watchdogs.
+    // real-time priority, if permitted: a device answers in time on a busy machine; drives have watchdogs
     const sched_param priority{.sched_priority = 70};
     static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority));
     const MonotonicClock clock;
     const Nanoseconds start = clock.now();
     while (!stop_) {
       const Nanoseconds now = (clock.now() - start) / slowness;
-      rig_.run_wires(now);  // first: a frame that is put on an idle wire begins when the wire was run last
+      // first, because a frame put on an idle wire begins at the time of the last run_wires()
+      rig_.run_wires(now);
       for (std::size_t i = 0; i < cables.size(); ++i) take(i);
       rig_.run_plant(now, 1e-9 * static_cast<double>(now));
       for (std::size_t i = 0; i < cables.size(); ++i) give(i, start);

@@ -1,4 +1,4 @@
-// Files of the shared folder next to the checkout, which a test may find or not.
+// Files of the shared folder beside the checkout, which may be missing.
 #pragma once
 
 #include <cstdlib>
@@ -6,7 +6,7 @@
 
 namespace godobject::test {
 
-/// Path of `name` below GODOBJECT_SHARED or ../shared; empty when it is not there.
+/// Returns the path of `name` below GODOBJECT_SHARED or ../shared; empty if missing.
 inline std::filesystem::path shared_file(const std::filesystem::path& name) {
   const char* const from_environment = std::getenv("GODOBJECT_SHARED");
   const std::filesystem::path folder =

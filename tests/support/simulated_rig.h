@@ -1,4 +1,4 @@
-// A rig on simulated wires, driven cycle by cycle. By default a six-joint arm with an encoder on every joint
+// A rig on simulated wires, driven cycle by cycle. Default: a six-joint arm with an encoder on every joint
 // (bus 0) and a drive on each of the first three (bus 1).
 #pragma once
 
@@ -57,11 +57,11 @@ inline RigParams arm_rig_params() {
 class SimulatedRig {
  public:
   static constexpr Nanoseconds cycle_ns = 1'000'000;
-  static constexpr Nanoseconds deadline_ns = 700'000;  // after SYNC: the answers should be in
+  static constexpr Nanoseconds deadline_ns = 700'000;  // after SYNC: the answers should have arrived
   static constexpr Nanoseconds heartbeat_ns = 100'000'000;
-  static constexpr Nanoseconds watchdog_ns = 20'000'000;  // as the profiles have it
+  static constexpr Nanoseconds watchdog_ns = 20'000'000;  // as in the profiles
 
-  SimulatedRig(const SimulatedRig&) = delete;  // the references hold this
+  SimulatedRig(const SimulatedRig&) = delete;  // references to this are stored
   SimulatedRig& operator=(const SimulatedRig&) = delete;
   explicit SimulatedRig(const RigParams& rig_params = arm_rig_params(), bool haptic = false,
                         const PlantConfig& plant_config = {}, SimDefaults defaults = SimDefaults::rig)
@@ -87,12 +87,12 @@ class SimulatedRig {
       nodes[d.bus].push_back(drives.back().get());
     }
     rig = std::make_unique<Rig>(params, hosts);
-    // The nodes are switched on now; their heartbeats later fall 400 us after a SYNC, clear of the answers.
+    // Nodes are switched on now; their heartbeats then fall 400 us after a SYNC, separate from the answers.
     advance_to(600'000);
     cycle_start_ns = now;
   }
 
-  /// One cycle of the loop: SYNC, answers, read, command. Joints follow (haptic: are pulled to) q_ref.
+  /// Runs one cycle: SYNC, answers, read, command. Joints follow q_ref; with haptics they are pulled to it.
   void cycle(std::span<const Wrench> F_hand_W = {}) {
     rig->sync(now);
     advance_to(now + deadline_ns);
@@ -107,15 +107,15 @@ class SimulatedRig {
     for (int i = 0; i < count; ++i) cycle(F_hand_W);
   }
   void cycles(int count, const Wrench& F_hand_W) { cycles(count, {&F_hand_W, 1}); }
-  /// Time passes on the buses without the rig.
+  /// Advances time on the buses without the rig.
   void idle(Nanoseconds duration) { advance_to(cycle_start_ns = now + duration); }
-  /// Cycles until ready; false when it takes longer than 3 s.
+  /// Runs cycles until ready; returns false after 3 s.
   bool boot() {
     rig->start(now);
     for (int i = 0; i < 3000 && !rig->ready(); ++i) cycle();
     return rig->ready();
   }
-  /// The joint's torque that its drive makes, after the transmission.
+  /// Returns the joint torque of a drive, after the transmission.
   double applied_joint_torque(std::size_t drive) const {
     const DriveParams& d = params.drives[drive];
     return d.sign * drives[drive]->applied_torque_Nm() / d.joint_per_motor_rad;

@@ -1,4 +1,4 @@
-// A tracker at the host and its simulated far end, on a line without delay, in steps of 1 ms.
+// A tracker of the host and its simulated far end, on a line without delay, in steps of 1 ms.
 #pragma once
 
 #include <functional>
@@ -44,7 +44,7 @@ struct SimulatedTracker {
     }
   }
 
-  /// Until it is true, or the time is over.
+  /// Steps until the condition holds or limit_s has passed; returns the condition.
   bool run_until(const std::function<bool()>& condition, double limit_s) {
     const Nanoseconds end = now + static_cast<Nanoseconds>(1e9 * limit_s);
     while (now < end) {
@@ -63,7 +63,7 @@ struct SimulatedTracker {
 
   std::unique_ptr<Tracker> tracker;
   std::unique_ptr<SimTracker> far;
-  std::function<void(std::vector<std::uint8_t>&)> damage;  // what the line does to what is sent at a time
+  std::function<void(std::vector<std::uint8_t>&)> damage;  // modifies sent bytes, as a noisy line does
   Nanoseconds now = 1'000'000'000;
   std::uint32_t baud = 0;
   int breaks = 0;

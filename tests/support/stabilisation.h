@@ -1,12 +1,14 @@
-// Stabilisations of joints that ask for the violation where a stage starts: what AtPrediction of the core is measured against.
+// Stabilisations of joints that use the violation at the start of the stage: comparison for AtPrediction of
+// the core.
 #pragma once
 
 #include "core/joint/stabilisation.h"
 
 namespace godobject {
 
-/// (5) at acceleration level, g'' = -(a / h) g' - (b / h^2) g with g and g' where the stage starts, a = A / 100. The
-/// velocity products of g'' are in L at the predicted pose:  L^ V+ = (1 - a) L V - (b / h) g.
+/// Stabilisation (5) at acceleration level, g'' = -(a / h) g' - (b / h^2) g, a = A / 100, with g and g' at
+/// the start of the stage. The velocity products of g'' are in L at the predicted pose:  L^ V+ = (1 - a) L V
+/// - (b / h) g.
 template <int A, int B>
 struct Baumgarte {
   static constexpr bool uses_base = true;
@@ -19,11 +21,13 @@ struct Baumgarte {
   }
 };
 
-/// (5) as the paper has it, g'' + (2/h) g' + g/h^2 = 0, with g and g' of the new state: the error halves each step.
+/// Stabilisation (5) of the paper, g'' + (2/h) g' + g/h^2 = 0, with g and g' of the new state: the error
+/// halves in each step.
 using BaumgarteImplicit = Baumgarte<75, 25>;
-/// The same with g and g' of the old state, positions advanced by the new velocity: diverges, always. For studies.
+/// As BaumgarteImplicit with g and g' of the old state, positions advanced by the new velocity: always
+/// diverges. For studies.
 using BaumgarteDiverging = Baumgarte<200, 100>;
-/// Velocity level where the stage starts: L V+ = -g / h.
+/// Velocity level at the start of the stage: L V+ = -g / h.
 using AtBase = Baumgarte<100, 100>;
 
 }  // namespace godobject

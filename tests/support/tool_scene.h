@@ -1,4 +1,4 @@
-// Scenes with joints for tests: as text, as shipped, and where a run has taken them.
+// Scenes with joints for tests: as text, as shipped, and at the state of a run.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ inline SceneConfig load_shipped(const std::string& name) {
   return load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name).scene.value();
 }
 
-/// Bodies of the scene where a record has them.
+/// Returns the bodies of the scene at the poses of a record.
 inline std::vector<BodyConfig> placed(const SceneConfig& scene, const CycleRecord& record) {
   std::vector<BodyConfig> bodies = scene.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].X_WB = record.bodies[i].X_WB;

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The view's page in a real browser: the tool is where the run says, the device beyond the wall, the pointer moves it, and the page knows when
-the run is gone and when it is back. Skipped where chromium, chromedriver, selenium, WebGL or the page itself is not there.
+"""The view's page in a real browser: the tool has the pose of the run, the device is beyond the wall, and the
+pointer moves it. The page detects the end and the return of the run. Skipped if chromium, chromedriver,
+selenium, WebGL or the page itself is missing.
 
 usage: test_browser.py --program PATH
 """
@@ -22,7 +23,7 @@ ARGS = arguments()
 FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
          "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=900,620").split()
 TOOL, GHOST = (0xD5, 0x45, 0x2C), (0xE0, 0x8A, 0x1E)
-SLOW = 15  # s: of a page in software, on a busy machine
+SLOW = 15  # s: limit of a page drawn in software, on a busy machine
 
 try:
     from selenium import webdriver
@@ -71,7 +72,7 @@ class Page:
                 and "ERR_CONNECTION_REFUSED" not in entry["message"]]
 
     def pixels(self):
-        """Rows of the canvas, drawn this moment."""
+        """Returns the rows of the canvas, drawn now."""
         data = self.js("(() => { godobject.view.render(); return document.getElementById('canvas').toDataURL('image/png'); })()")
         return png_rows(base64.b64decode(data.split(",")[1]))
 
@@ -101,7 +102,7 @@ def png_rows(data):
 
 
 def like(pixel, colour):
-    """Of this hue, in whatever light."""
+    """True for a pixel of this hue, in any light."""
     light = max(pixel) / max(colour)
     return light > 0.4 and all(abs(p - light * c) < 30 for p, c in zip(pixel, colour))
 
@@ -121,7 +122,8 @@ def print_first_pictures(browser, scene, url):
     print(f"  {scene}: first picture {times[2]:.2f} s after the page is opened, median of 5, {times[0]:.2f} to {times[-1]:.2f} s")
 
 
-# ms: the page's own part of a picture (poses, what is drawn, words), and a picture until a machine without a graphics card has it
+# ms: the page's own share of a picture (poses, drawing, texts), and a complete picture without a graphics
+# card
 COSTS = """(() => {
   const { view, state } = godobject, gl = view.renderer.getContext(), pixel = new Uint8Array(4), n = 30;
   let own = 0, whole = 0;
@@ -148,7 +150,7 @@ def print_costs(page, scene):
 
 
 def seen_on(page, tool):
-    """Cycle, where the frame has the tool, and where it is drawn."""
+    """Returns the cycle, the tool's position in the frame, and the drawn position."""
     return page.js(f"(godobject.view.update(godobject.state.frame), [godobject.state.frame.cycle, godobject.body('{tool}'), godobject.drawnAt('{tool}')])")
 
 
@@ -247,7 +249,7 @@ def press(browser, kind, key):
 
 
 def hover(browser, page, body):
-    """Moves the pointer onto this body as it is drawn."""
+    """Moves the pointer onto the drawn body."""
     at, width, height = page.js(f"[godobject.pixel(godobject.drawnAt('{body}')), godobject.view.width, godobject.view.height]")
     canvas = browser.find_element("id", "canvas")
     ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at["x"] - width / 2), int(at["y"] - height / 2)).perform()
@@ -322,7 +324,7 @@ def test_a_recording_has_a_slider(browser, folder):
     with ViewedRun(ARGS.program, "view", trace, "--scene", "sim/scenes/wall.toml", folder=folder) as run:
         page = Page(browser, run.url)
         page.js("godobject.player.playing = false, godobject.player.seek(2.5)")
-        # asked for again until it is there; a longer recording is thinned out
+        # repeated until it is there; a longer recording is thinned out
         page.wait("(godobject.player.seek(2.5), Math.abs(godobject.state.frame.t - 2.5) < 0.02 && godobject.target('peg')[0] > 0.09)", "the instant that was asked for")
         assert not page.js("document.getElementById('player').hidden")
         page.js("godobject.player.toggle()")

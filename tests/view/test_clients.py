@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Clients of a view, good and bad: the bad are refused and logged, and the loop does not know of any of them.
+"""Valid and invalid clients of a view: invalid ones are refused and logged, and none affects the loop.
 
 usage: test_clients.py --program PATH
 """
@@ -76,10 +76,10 @@ def test_what_is_no_pointer(run):
         assert stream.closed() == 1008, payload
         stream.close()
     stream = run.stream()
-    stream.send(pointer(1))  # well formed, and nobody has asked for pointers
+    stream.send(pointer(1))  # well formed, but pointers are not enabled
     stream.frame()
     stream.close()
-    wait_for(lambda: "a pointer was not listened to" in run.text(), "the log has the pointer")
+    wait_for(lambda: "a pointer message was ignored" in run.text(), "the log has the pointer")
     still_serves(run)
 
 
@@ -162,7 +162,7 @@ def test_a_flood_does_not_fill_the_console(run):
 
 
 def statistics_with(clients):
-    """The run's report of 3 s with so many onlookers, one of whom, where there are several, takes nothing."""
+    """Returns the report of a run of 3 s with this number of clients; if there are several, one reads no data."""
     with ViewedRun(ARGS.program, "run", "sim/scenes/grasper.toml", "--view", "--duration", "4", "--report", "/tmp/godobject-view-report.json") as run:
         streams = [Stream(run, receive_buffer=2048 if i == 0 and clients > 1 else None) for i in range(clients)]
         assert all(stream.status == 101 for stream in streams)

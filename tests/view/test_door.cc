@@ -1,4 +1,4 @@
-// Who is let in: by which name, from which page, with which token.
+// Access control: by host name, page and token.
 #include "platform/view/server/door.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The official npm client of foxglove.websocket.v1 connects, subscribes and gets the poses. Skipped where there is no node or no client.
+"""The official npm client of foxglove.websocket.v1 connects, subscribes and receives the poses. Skipped
+without node or the client.
 
 usage: test_foxglove.py --program PATH
 """
@@ -71,7 +72,8 @@ def main():
             assert json.loads(stream.message()[1])["op"] == "status", nonsense
         stream.close()
 
-    # under a sanitizer a step of 25 nodes takes most of a millisecond, and a run that misses too many of its periods is held
+    # under a sanitizer a step of 25 nodes takes most of a millisecond, and a run that misses too many periods
+    # is held
     with ViewedRun(ARGS.program, "run", "sim/scenes/net-small.toml", "--bus", "direct", "--view", "--duration", "120", "--step", "0.01") as run:
         result = call(f"ws://{run.host}:{run.port}/stream?token={run.token}", 12, 1e-3)
         assert result.returncode == 0, result.stderr[-2000:]

@@ -1,4 +1,4 @@
-// Frames and pointers on the wire are what docs/view.md says, and what is no pointer's message is refused.
+// Frames and pointer messages agree with docs/view.md, and invalid pointer messages are refused.
 #include "platform/session/limits.h"
 #include "platform/view/frame.h"
 
@@ -13,7 +13,7 @@
 namespace godobject::test_frame {
 namespace {
 
-/// A sample with numbers drawn at random.
+/// Returns a sample with random numbers.
 ViewSample random_sample(std::mt19937& random, std::size_t num_bodies, std::size_t num_contacts) {
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
@@ -53,7 +53,7 @@ ViewSample random_sample(std::mt19937& random, std::size_t num_bodies, std::size
 template <class T>
 T at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
   T value;
-  std::memcpy(&value, bytes.data() + place, sizeof value);  // this machine's order is the wire's
+  std::memcpy(&value, bytes.data() + place, sizeof value);  // assumes a little-endian machine
   return value;
 }
 

@@ -1,4 +1,4 @@
-// Keys and wheel in the page move the joints of an instrument: limited, stale, in their ranges, one page at a time.
+// Keys and wheel in the page move the joints of an instrument: limits, staleness, ranges, one page at a time.
 #include "platform/view/joint_pointer.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ SceneConfig led(const std::string& name) {
   return scene;
 }
 
-/// A session whose device is a page's keys, by a clock of the test's own.
+/// A session with a page's keys as its device, and a clock of the test's own.
 struct Played {
   explicit Played(const std::string& name) : scene(led(name)) {
     now_ns = 1'000 * ms;
@@ -46,7 +46,7 @@ struct Played {
     message.dq[joint(moved)] = dq;
     return page.take(client, message);
   }
-  /// Periods of the loop, and every 16 of them a message of the page.
+  /// Runs periods of the loop, with a message of the page every 16 of them.
   void run(int periods, const std::string& moved = "", double dq_per_message = 0) {
     for (int i = 0; i < periods; ++i) {
       now_ns += ms;
@@ -90,7 +90,7 @@ TEST(JointPointer, PushesTheTubeAlongItsAxis) {
   }
 }
 
-/// Jaws of the grasper close by their own coordinates, each alone.
+/// The jaws of the grasper close by their own coordinates, each alone.
 TEST(JointPointer, ClosesAJaw) {
   Played played("grasper.toml");
   played.run(700);
@@ -126,7 +126,7 @@ TEST(JointPointer, KeepsRatesAndRanges) {
   EXPECT_NEAR(p.norm(), std::abs(start - 0.5 - 0.175), 1e-3) << "tip at the lower end of the range";
 }
 
-/// A busy page sends late and several at once: no shift is lost, and the target is no faster.
+/// A busy page sends late and several at once: no displacement is lost, and the target is not faster.
 TEST(JointPointer, LosesNothingOfMessagesThatComeAtOnce) {
   Played played("grasper.toml");
   played.run(700);

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Pictures without a browser: what the files hold, and that the device is seen apart from the tool while that is pressed on the wall.
+"""Pictures without a browser: contents of the files; the device is visible apart from the tool while that is
+pressed on the wall.
 
 usage: test_pictures.py --program PATH
 """
@@ -36,7 +37,7 @@ def chunks(data):
 
 
 def image(path):
-    """Rows of pixels, and how many frames there are."""
+    """Returns the rows of pixels and the number of frames."""
     with open(path, "rb") as file:
         parts = list(chunks(file.read()))
     width, height = struct.unpack_from(">II", parts[0][1])
@@ -55,7 +56,7 @@ def image(path):
 
 
 def like(pixel, colour, shade=0.45):
-    """The colour in some light: its channels in the same ratio."""
+    """True if the channels have the colour's ratio, in any light."""
     light = max(pixel) / max(colour)
     return light > shade and all(abs(p - light * c) < 14 for p, c in zip(pixel, colour))
 
@@ -112,7 +113,7 @@ def main():
     godobject("run", "sim/scenes/grasper.toml", "--fast", "--quiet", "--duration", "2", "--record", path("bus.log"))
     godobject("view", path("bus.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("bus.png"), "--time", "1.5")
     centre(image(path("bus.png"))[0], TOOL)
-    # A log with a gap takes no longer than one without, and one that was cut is shown up to the cut.
+    # A log with a gap takes no longer than one without, and a truncated one is displayed up to the cut.
     lines = open(path("bus.log"), encoding="utf-8").read().splitlines()
     stamp = [float(line[1:line.index(")")]) for line in lines]
     for gap in (3600, 86400, 10_000_000):
@@ -136,12 +137,12 @@ def main():
     told, given, at_rest = (image(path(name))[0] for name in ("told.png", "given.png", "at-rest.png"))
     assert told == given and told != at_rest, "deformed where its nodes are known"
     godobject("run", "sim/scenes/wall.toml", "--fast", "--quiet", "--duration", "4", "--trace", path("wall.csv"), "--report", path("report.json"))
-    assert "has no [[net]]" in godobject("view", path("wall.csv"), "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
-    assert "goes with a trace" in godobject("view", "sim/scenes/net-small.toml", "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
+    assert "has no nets: remove --nets" in godobject("view", path("wall.csv"), "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
+    assert "requires a trace" in godobject("view", "sim/scenes/net-small.toml", "--nets", path("elsewhere.csv"), "--picture", path("x.png"), code=2)
 
     assert "describes no buses" in godobject("view", path("bus.log"), "--scene", "sim/scenes/wall.toml", "--picture", path("x.png"), code=2)
     os.remove(path("report.json"))
-    assert "of which scene is it?" in godobject("view", path("wall.csv"), "--picture", path("x.png"), code=2)
+    assert "its scene is unknown: give the scene file with --scene" in godobject("view", path("wall.csv"), "--picture", path("x.png"), code=2)
     assert "must end in .png or .gltf" in godobject("view", path("wall.csv"), "--picture", path("x.jpg"), code=2)
     assert "is it of another scene" in godobject("view", path("wall.csv"), "--scene", "sim/scenes/organ.toml", "--picture", path("x.png"), code=2)
 

@@ -1,4 +1,5 @@
-// The hand in the page: its samples are limited, stale and one hand's at a time, and its tool stops at the wall.
+// The page's pointer: its samples have limits, become stale, and come from one hand at a time; its tool stops
+// at the wall.
 #include "platform/view/pointer.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ SceneConfig wall_scene() {
   return *loaded.scene;
 }
 
-/// A session whose device is a pointer, by a clock of the test's own.
+/// A session with a pointer as its device, and a clock of the test's own.
 class PointerTest : public testing::Test {
  protected:
   PointerTest() {
@@ -30,7 +31,7 @@ class PointerTest : public testing::Test {
     record = made.session->at_start();
   }
 
-  /// A period of the loop, and every 16 of them what the page says.
+  /// Runs periods of the loop, with a message of the page every 16 of them.
   void run(int periods, const Vec3& shift_per_message = Vec3::Zero(),
            const Vec3& turn_per_message = Vec3::Zero()) {
     for (int i = 0; i < periods; ++i) {

@@ -1,4 +1,4 @@
-// Traces are read back as they were written, and what is none is refused with its line.
+// Traces are read back as written, and invalid ones are refused with their line.
 #include "platform/view/recorded/recording.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ SceneConfig scene_named(const std::string& name) {
 
 class RecordingTest : public test::ProgramTest {
  protected:
-  /// A trace of so many steps; the records of all of them.
+  /// Writes a trace of so many steps; returns all records.
   std::vector<CycleRecord> trace(const SceneConfig& scene, int steps) {
     Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
     RunFileNames names;
@@ -111,7 +111,7 @@ TEST_F(RecordingTest, TakesEveryOtherInstantOfOneThatIsTooLong) {
 
 class NetRecordingTest : public RecordingTest {
  protected:
-  /// A row every 4th step of 200; the nodes of each row.
+  /// Writes a row every 4th step of 200; returns the nodes of each row.
   std::vector<std::vector<Vec3>> nets(const SceneConfig& scene) {
     Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
     RunFileNames names;
@@ -168,7 +168,8 @@ TEST_F(NetRecordingTest, IsRefusedWhereItDoesNotFit) {
     const NetRecordingResult result = read_nets(write("x.csv", changed), of);
     return result.errors.empty() ? std::string("none") : result.errors.front();
   };
-  EXPECT_THAT(error_of(text, scene_named("wall")), HasSubstr("scene 'wall' has no [[net]]"));
+  EXPECT_THAT(error_of(text, scene_named("wall")),
+              HasSubstr("scene 'wall' has no nets: remove --nets, or add a [[net]] table"));
   EXPECT_THAT(error_of(text, scene_named("endobag")),
               HasSubstr("x.csv:1: column 2 is 'tube.0.x', and `run --nets` of scene 'endobag' writes"));
   EXPECT_THAT(error_of("t\n", scene), HasSubstr("column 2 is missing"));

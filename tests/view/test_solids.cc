@@ -1,4 +1,4 @@
-// What is drawn of a body without shapes has the body's own mass and inertia.
+// The drawn solid of a body without shapes has the body's mass and inertia.
 #include "platform/view/solids.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace godobject::test_solids {
 namespace {
 
-/// Principal moments of a solid of uniform density about its own axes.
+/// Returns the principal moments of a solid of uniform density about its own axes.
 Vec3 moments_of(const Solid& solid, double m) {
   const double r = solid.size.x(), l = 2 * solid.size.y();
   if (solid.kind == SolidKind::sphere) return Vec3::Constant(0.4 * m * r * r);

@@ -1,4 +1,4 @@
-// What a view takes from the loop costs it nothing but a copy when one was asked for.
+// A view costs the loop only a copy of the record, and only on request.
 #include "platform/view/tap.h"
 
 #include <gtest/gtest.h>

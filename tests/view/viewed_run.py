@@ -1,4 +1,4 @@
-"""A running `godobject run --view`, and clients of it without any library: for the tests beside this file."""
+"""A running `godobject run --view` and clients of it without libraries, for the tests in this folder."""
 import argparse
 import base64
 import json
@@ -28,11 +28,11 @@ def skip(why):
 
 
 class ViewedRun:
-    """The program with these arguments from the source directory; `with` ends it by SIGINT."""
+    """Runs the program with these arguments in the source directory; the end of `with` stops it by SIGINT."""
 
     def __init__(self, program, *args, folder=None):
         self.folder = folder or tempfile.mkdtemp(prefix="godobject-view-")
-        environment = dict(os.environ, XDG_RUNTIME_DIR=self.folder)  # the token is this folder's
+        environment = dict(os.environ, XDG_RUNTIME_DIR=self.folder)  # uses the token of this folder
         self.log_path = os.path.join(self.folder, f"log-{time.monotonic_ns()}")
         self.log = open(self.log_path, "wb")
         self.process = subprocess.Popen([program, *args], cwd=SOURCE, env=environment, stdout=self.log, stderr=self.log)
@@ -72,7 +72,7 @@ class ViewedRun:
         return socket.create_connection((self.host, self.port), patience)
 
     def ask(self, path, method="GET", **headers):
-        """The status and the body of an answer."""
+        """Returns the status and the body of an answer."""
         with self.connect() as line:
             heads = {"Host": f"{self.host}:{self.port}", "Connection": "close", **{k.replace("_", "-"): v for k, v in headers.items()}}
             line.sendall((f"{method} {path} HTTP/1.1\r\n" + "".join(f"{k}: {v}\r\n" for k, v in heads.items()) + "\r\n").encode())
@@ -81,7 +81,7 @@ class ViewedRun:
                 while part := line.recv(65536):
                     answer += part
             except ConnectionResetError:
-                pass  # dropped, with what it had sent unread
+                pass  # closed by the server, with unread data
         head, _, body = answer.partition(b"\r\n\r\n")
         return int(head.split()[1]) if head else 0, body
 
@@ -90,7 +90,7 @@ class ViewedRun:
 
 
 class Stream:
-    """A WebSocket to a run; `status` is 101 where it was let in."""
+    """A WebSocket to a run; `status` is 101 if it was accepted."""
 
     def __init__(self, run, path=None, receive_buffer=None, **headers):
         self.line = socket.socket()
@@ -122,7 +122,7 @@ class Stream:
         return taken
 
     def message(self):
-        """Opcode (1 text, 2 binary, 8 close, 9 ping) and payload."""
+        """Returns opcode (1 text, 2 binary, 8 close, 9 ping) and payload."""
         first, second = self.bytes(2)
         size = second & 127
         if size == 126:
@@ -145,14 +145,14 @@ class Stream:
         return json.loads(payload)
 
     def frame(self):
-        """The next frame as a dictionary of what tests look at."""
+        """Returns the next frame as a dictionary of its tested fields."""
         while True:
             opcode, payload = self.message()
             if opcode == 2:
                 return decode_frame(payload)
 
     def closed(self):
-        """The code of the close message, or 0 where the line just ends."""
+        """Returns the code of the close message, or 0 if the connection ends without."""
         try:
             while True:
                 opcode, payload = self.message()

@@ -1,13 +1,13 @@
-// What contacts carried over from the step before says of where to look for them: their keys, pairs that were deep in each
-// other, and the face through which a sphere came into a box.
+// Data of the previous step's contacts for the search: keys, pairs of deeply overlapping bodies, the face
+// through which a sphere entered a box.
 #pragma once
 
 #include "core/contact/find/exit_direction.h"
 
 namespace godobject {
 
-/// Key of a contact between bodies, or of a body and the world: the pair, what is touched, and the sphere that touches it.
-/// Those of a pair are in a row.
+/// Returns the key of a contact between bodies, or of a body and the world: the pair, the surface, and the
+/// touching sphere. Keys of a pair are consecutive.
 inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
   return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
 }
@@ -18,21 +18,22 @@ inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
   return static_cast<std::uint32_t>(key) & 0x7fff;
 }
 
-/// Key of edges that cross: on which boxes, of those of their bodies, and which. Beyond all spheres.
+/// Returns the key of crossing edges: their boxes among those of their bodies, and the edges. Above the keys
+/// of all spheres.
 inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
   return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
 }
 inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
-/// Key of bodies that are sunk in each other: along which axis they part.
+/// Returns the key of sunk bodies: the axis along which they separate.
 inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
 inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
 
-/// Bit of the key of a contact of the pair's second body with a surface of the first.
+/// Bit in the key of a contact of the pair's second body with a surface of the first.
 inline constexpr std::uint64_t of_second = std::uint64_t(1) << 31;
 /// True if a sphere of the pair's second body touches the first.
 inline bool is_of_second(std::uint64_t key) noexcept { return (key & of_second) != 0 && !is_of_edges(key); }
 
-/// How a pair of bodies was in each other in the step before.
+/// Overlap of a pair of bodies in the previous step.
 struct DeepPair {
   bool spheres = false;                    // some by their rest penetration
   bool pressed = false;                    // pressed together, each contact by itself
@@ -40,7 +41,7 @@ struct DeepPair {
   Vec3 pushed_W = Vec3::Zero();            // normal force on the first by the second, N
 };
 
-/// Says of pairs of bodies that come in rising order how deep in each other they were.
+/// Looks up the previous overlap of pairs of bodies in rising order.
 template <class Contacts>
 class RecallDeepPairs {
  public:
@@ -66,8 +67,8 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// The point p that was inside a box, or is, behind the face through which the contact pressed before; if there was none,
-/// the nearest one.
+/// Returns the surface seen from a point p that is or was inside a box. The face that carried the contact
+/// force before, else the nearest one.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
                                 const ContactMemories<max_contacts>* of_stage, const PlacedShape& box,

@@ -1,7 +1,7 @@
-// Which bodies are near each other: the boxes round their spheres, sorted and swept along one axis.
+// Broad phase: pairs of near bodies, by boxes round their spheres, sorted and swept along one axis.
 //
-// Bound for n bodies: n log2(n) comparisons of the sort, n^2 / 8 + n tests of a box against four (when all
-// boxes overlap along the axis), n^2 / 128 words of the result. Nothing is remembered from step to step.
+// Bound for n bodies: n log2(n) comparisons of the sort; n^2 / 8 + n tests of a box against four, if all
+// boxes overlap along the axis; n^2 / 128 words of the result. No memory between steps.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace godobject {
 
-/// Box round the spheres of a body, along the axes of the world; or four.
+/// Box round the spheres of a body, along the axes of the world; or four boxes.
 template <class T>
 struct AabbOf {
   Vector3<T> lo = Vector3<T>::Constant(T(0)), hi = Vector3<T>::Constant(T(0));
@@ -25,7 +25,7 @@ struct AabbOf {
 using Aabb = AabbOf<Real>;
 using AabbPack = AabbOf<Pack>;
 
-/// Scratch: undefined between steps.
+/// Working storage of the broad phase, undefined between steps.
 template <std::size_t max_bodies>
 struct BroadPhaseScratch {
   struct Entry {
@@ -39,7 +39,7 @@ struct BroadPhaseScratch {
   std::size_t num_entries = 0;                      // bodies with spheres, all of them finite
 };
 
-/// Bit j: sphere j of the pack, larger by so much, reaches into the box.
+/// Returns a word whose bit j is set if sphere j of the pack, enlarged by `more`, reaches into the box.
 inline std::uint32_t reaching(const SpherePack& pack, Real more, const Aabb& box) noexcept {
   const Pack r = pack.r + more;
   const auto along = [&](int c) {
@@ -48,7 +48,7 @@ inline std::uint32_t reaching(const SpherePack& pack, Real more, const Aabb& box
   return bits(along(0) & along(1) & along(2));
 }
 
-/// The axis along which the boxes are spread most: it only decides how long the sweep takes.
+/// Returns the axis along which the boxes are spread most. It affects only the duration of the sweep.
 template <std::size_t max_bodies>
 int widest_axis(const BroadPhaseScratch<max_bodies>& w) noexcept {
   Vec3 sum = Vec3::Zero(), sum_sq = Vec3::Zero();
@@ -62,7 +62,7 @@ int widest_axis(const BroadPhaseScratch<max_bodies>& w) noexcept {
   return spread.y() >= spread.z() ? 1 : 2;
 }
 
-/// The boxes in the order of the entries, four to a pack; lanes without a box overlap nothing.
+/// Packs the boxes in the order of the entries, four to a pack. Lanes without a box overlap nothing.
 template <std::size_t max_bodies>
 void pack_boxes(BroadPhaseScratch<max_bodies>& w) noexcept {
   constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
@@ -74,14 +74,15 @@ void pack_boxes(BroadPhaseScratch<max_bodies>& w) noexcept {
   for (std::size_t k = n; k % 4 != 0; ++k) set_lane(w.sorted[k / 4].lo, k % 4, Vec3::Constant(nan));
 }
 
-/// Bit j: box j of the pack overlaps or touches this one.
+/// Returns a word whose bit j is set if box j of the pack overlaps or touches this one.
 inline std::uint32_t overlapping(const AabbPack& pack, const Aabb& box) noexcept {
   const auto along = [&](int c) { return (pack.lo[c] <= box.hi[c]) & (Pack(box.lo[c]) <= pack.hi[c]); };
   return bits(along(0) & along(1) & along(2));
 }
 
-/// f(k, l) for the entries k < l whose boxes overlap; a sweep up the axis. Hits are collected for sixteen
-/// packs before they are looked at: branches on each pack cannot be predicted, and cost more than the tests.
+/// Calls f(k, l) for the entries k < l whose boxes overlap, by a sweep along the axis. Hits are collected for
+/// sixteen packs before they are processed, because unpredictable branches on each pack cost more than the
+/// tests.
 template <std::size_t max_bodies, class F>
 void sweep(const BroadPhaseScratch<max_bodies>& w, int axis, F f) noexcept {
   const std::size_t num_packs = (w.num_entries + 3) / 4;
@@ -103,7 +104,7 @@ void sweep(const BroadPhaseScratch<max_bodies>& w, int axis, F f) noexcept {
   }
 }
 
-/// The bodies whose boxes overlap and of which may_touch(a, b), in w.near.
+/// Finds the pairs of bodies whose boxes overlap and that may_touch(a, b) accepts; result in w.near.
 template <std::size_t max_bodies, class MayTouch>
 void find_overlaps(std::size_t num_bodies, BroadPhaseScratch<max_bodies>& w, MayTouch may_touch) noexcept {
   const int axis = widest_axis(w);

@@ -1,14 +1,14 @@
-// Edges of boxes that cross each other: what spheres at the corners do not see.
+// Contacts of crossing edges of boxes, which spheres at the corners do not detect.
 //
-// Two boxes of which no corner is in the other touch where an edge of the one crosses an edge of the other. With a_i along
-// the one and b_j along the other,
+// Two boxes without a corner inside the other touch where an edge of one crosses an edge of the other. With
+// a_i along the first and b_j along the second,
 //
 //   (32)  n = a_i x b_j / |a_i x b_j|
 //
-// of the axes that may separate two boxes these are nine, the normals of their faces the other six. Edges cross when the
-// points of them that are nearest to each other are between their ends; they touch when their depth along n is no more
-// than that of the faces: otherwise the boxes leave each other through a face. Bound for a pair of boxes: nine axes, four
-// pairs of edges along each.
+// These are nine of the axes that may separate two boxes; the normals of their faces are the other six. Edges
+// cross if their nearest points are between their ends. They touch if their depth along n is at most that of
+// the faces; otherwise the boxes separate through a face. Bound for a pair of boxes: nine axes, four pairs of
+// edges along each.
 #pragma once
 
 #include <bit>
@@ -18,22 +18,22 @@
 
 namespace godobject {
 
-/// Edges of two boxes that cross, in the world.
+/// Crossing edges of two boxes, in the world.
 struct EdgeCrossing {
   std::uint32_t edges = 0;  // which of a, which of b
   Real d = 0;               // depth, m
   Vec3 p_W, n_W;            // on the edge of a; off b
 };
 
-/// The numbers of the next axes, of three.
+/// Returns the numbers of the next axes, of three.
 inline Pack next(const Pack& a) noexcept { return shuffled<1, 2, 0, 0>(a, a); }
-/// Number j of a pack; a row.
+/// Returns number j of a pack, or of a row.
 inline Real component(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
 inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
   return rows[static_cast<std::size_t>(row)];
 }
 
-/// Box b as box a sees it. Lane j: axis j of b; the fourth is undefined.
+/// Box b in the frame of box a. Lane j: axis j of b; the fourth is undefined.
 struct BoxOnBox {
   Vec3 h_a;                  // half extents
   Pack h_B;                  // those of b
@@ -60,7 +60,8 @@ struct BoxOnBox {
   }
 };
 
-/// The normal of a face of either box along which they are least deep in each other, in the frame of a; < 0: apart.
+/// Normal of the face of either box along which the depth is least, in the frame of a. Depth < 0: the boxes
+/// are apart.
 struct LeastFace {
   Real depth = 0;
   Vec3 n_A;
@@ -78,31 +79,31 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
                          : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
 }
 
-/// Edges of a box along one of its axes, on the side to which n leads more; two of the four. Lane j: of the edges
-/// that cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
+/// Edges of a box along one of its axes, on the side to which n points: two of the four. Lane j: edges that
+/// cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
 struct EdgesToSide {
   PackMask first;  // on either side of the next axis, along which n leads less out; or of the one after it
   Pack h;          // half extent there
-  Pack at_other;   // along the other axis, where both are
-  Pack less;       // by how much the one on the positive side is deeper than the other
+  Pack coordinate_on_other;  // along the other axis, where both are
+  Pack less;                 // by how much the one on the positive side is deeper than the other
 
   EdgesToSide(const Pack& n_1, const Pack& h_1, const Pack& n_2, const Pack& h_2) noexcept {
     const Pack out_1 = h_1 * n_1, out_2 = h_2 * n_2;
     first = abs(out_1) < abs(out_2);
     h = select(first, h_1, h_2);
-    at_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
+    coordinate_on_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
     less = 2 * select(first, out_1, out_2);
   }
-  /// How much less deep than the deeper one the edge on this side is.
+  /// Returns the depth by which the edge on this side is behind the deeper one.
   Pack lost(bool positive) const noexcept { return max(positive ? -less : less, Pack(0)); }
-  /// Which of the four: two bits, its sides.
+  /// Returns the number of the edge, 0 to 3: two bits, its sides.
   std::uint32_t number(std::size_t j, bool positive) const noexcept {
-    const bool outer = at_other[j] > 0, is_first = (bits(first) >> j & 1) != 0;
+    const bool outer = coordinate_on_other[j] > 0, is_first = (bits(first) >> j & 1) != 0;
     return ((is_first ? positive : outer) ? 1u : 0u) | ((is_first ? outer : positive) ? 2u : 0u);
   }
 };
 
-/// (32)  a_i x b_j = -R_lj a_k + R_kj a_l for all j. k, l: the next axes of a.
+/// Cross products (32): a_i x b_j = -R_lj a_k + R_kj a_l for all j. k, l: the next axes of a.
 struct EdgeAxes {
   int i, k, l;
   const Pack &R_i, &R_k, &R_l;
@@ -125,19 +126,19 @@ struct EdgeAxes {
          abs(between)) /
         sine;
   }
-  /// Bit j: neither is along the other.
+  /// Returns a word whose bit j is set if the edges are not parallel.
   std::uint32_t cross() const noexcept { return bits(Pack(min_edge_sine) < sine) & 7; }
 };
 
-/// The boxes are deeper in each other than that along all axes that may separate them.
+/// True if the boxes are deeper than `depth` along all axes that may separate them.
 inline bool deeper_along_edges(const BoxOnBox& w, Real depth) noexcept {
   for (int i = 0; i < 3; ++i)
     if (const EdgeAxes n(w, i); (n.cross() & bits(n.d <= Pack(depth))) != 0) return false;
   return true;
 }
 
-/// f(crossing) for the edges along an axis of box a that cross edges of box b, deeper than -reach; along normals (32) along
-/// which the boxes are no farther from each other than the reach and no deeper than `most`, or that are those of the face.
+/// Calls f(crossing) for the edges along an axis of box a that cross edges of box b, deeper than -reach. Only
+/// along normals (32) with a depth between -reach and `most`, or parallel to the face's.
 template <class F>
 void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, const Vec3& face_A,
                          F f) noexcept {
@@ -155,9 +156,10 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
   const Pack a_b = select(a.first, R_k, R_l), a_b_other = select(a.first, R_l, R_k);
   const Pack b_a = select(b.first, next(R_i), next(next(R_i))),
              b_a_other = select(b.first, next(next(R_i)), next(R_i));
-  // of two edges the points that are nearest to each other, from their middles, times the sine squared
+  // of two edges the nearest points, from their middles, times the sine squared
   const Pack sine_sq = 1 - R_i * R_i, end = sine_sq * (1 - edge_end);
-  const Pack on_a = component(w.p_A, i) + b.at_other * b_a_other, on_b = w.p_B - a.at_other * a_b_other;
+  const Pack on_a = component(w.p_A, i) + b.coordinate_on_other * b_a_other,
+             on_b = w.p_B - a.coordinate_on_other * a_b_other;
   // on the negative and the positive side of a, and of b
   const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
   const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
@@ -183,7 +185,7 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
       const bool above_a = (c & 1) != 0, above_b = (c & 2) != 0;
       p_A[i] = t_a[c][j] / sine_sq[j];
       p_A[a_first ? k : l] = above_a ? a.h[j] : -a.h[j];
-      p_A[a_first ? l : k] = a.at_other[j];
+      p_A[a_first ? l : k] = a.coordinate_on_other[j];
       f(static_cast<std::uint32_t>(i) << 6 | static_cast<std::uint32_t>(j) << 4 | b.number(j, above_b) << 2 |
             a.number(j, above_a),
         depth[c][j], p_A, n_A);
@@ -191,14 +193,15 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
   }
 }
 
-/// How two boxes are in each other: in touch, no deeper than the reach of their edges.
+/// Overlap of two boxes; in_touch: no deeper than the reach of their edges.
 enum class BoxesAre { in_touch, deep, sunk };
 
 inline Real reach_of_edges(const PlacedShape& a, const PlacedShape& b) noexcept {
   return edge_reach * std::min(a.half_extents().minCoeff(), b.half_extents().minCoeff());
 }
 
-/// f(crossing) for the edges of box a that touch edges of box b, or are near to; none where the boxes are sunk, if they may be.
+/// Calls f(crossing) for the edges of box a that touch or are near edges of box b. None if the boxes are sunk
+/// and may be.
 template <class F>
 BoxesAre each_crossing(const PlacedShape& a, const PlacedShape& b, bool may_be_sunk, F f) noexcept {
   const BoxOnBox w(a, b);

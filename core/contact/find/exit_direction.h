@@ -1,14 +1,14 @@
-// Which way bodies leave each other that are deep in each other.
+// Direction in which deeply overlapping bodies separate.
 //
-// All spheres of such a pair, both ways round, are pushed out through the faces that look along one direction. With the
-// nearest face for each sphere they are pushed against each other, and lock.
+// All spheres of such a pair, of both bodies, are pushed out through the faces along one direction. With the
+// nearest face for each sphere, the forces would oppose each other, and the bodies would lock.
 #pragma once
 
 #include "core/contact/find/world_geometry.h"
 
 namespace godobject {
 
-/// Four points in the frame of a shape.
+/// Transforms four points into the frame of a shape.
 inline Vector3<Pack> in_frame(const Vec3& p_WS, const Mat3& R_WS, const Vector3<Pack>& p_W) noexcept {
   Vector3<Pack> apart, p_S;
   for (int k = 0; k < 3; ++k) apart[k] = p_W[k] - Pack(p_WS[k]);
@@ -16,13 +16,13 @@ inline Vector3<Pack> in_frame(const Vec3& p_WS, const Mat3& R_WS, const Vector3<
   return p_S;
 }
 
-/// A direction in the world, and how far to go.
-struct WayOut {
+/// Direction in the world and distance to the exit.
+struct ExitDirection {
   Vec3 n_W = Vec3::UnitZ();
   Real distance = std::numeric_limits<Real>::infinity();
 };
 
-/// How far down these spheres reach against a direction.
+/// Returns the largest extent of the spheres against a direction.
 inline Real lowest_along(const Vec3& n_W, const SpherePack* packs, std::uint32_t num_packs) noexcept {
   Pack lowest = std::numeric_limits<Real>::infinity();
   for (std::uint32_t k = 0; k < num_packs; ++k) {
@@ -31,24 +31,24 @@ inline Real lowest_along(const Vec3& n_W, const SpherePack* packs, std::uint32_t
   }
   return std::min({lowest[0], lowest[1], lowest[2], lowest[3]});
 }
-/// How far a shape reaches in a direction.
+/// Returns the extent of a shape in a direction.
 inline Real reach_along(const Vec3& n_W, const PlacedShape& shape) noexcept {
   const Vec3 n_S = shape.R_WS().transpose() * n_W;
   return n_W.dot(shape.p_W()) + n_S.cwiseAbs().dot(half_extents(shape.in_world()));
 }
-/// The outward normal of a face of a box: those along x, -x, y, -y, z, -z.
+/// Returns the outward normal of a face of a box: those along x, -x, y, -y, z, -z.
 inline Vec3 face_normal(const PlacedShape& box, int face) noexcept {
   const Vec3 n_W = box.R_WS().col(face / 2);
   return face % 2 == 0 ? n_W : Vec3(-n_W);
 }
 
-/// Returns the shortest way by which all spheres of a body leave the surfaces [first, end), through a face of a box
-/// of theirs. pushed_W: force on the body by these surfaces in the step before, N; if there is one, the face looks
-/// along it.
+/// Returns the shortest way by which all spheres of a body leave the surfaces [first, end), through a face of
+/// one of the boxes. pushed_W: force on the body by these surfaces in the previous step, N; if not zero, the
+/// face must point along it.
 template <class Contacts, std::size_t N>
-WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
-               std::uint32_t body, const Vec3& pushed_W) noexcept {
-  WayOut shortest;
+ExitDirection exit_direction(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::uint32_t end,
+                             std::uint32_t body, const Vec3& pushed_W) noexcept {
+  ExitDirection shortest;
   const Real least_along = same_contact * pushed_W.norm();
   const auto& owned = w.owned[body];
   const SpherePack* const packs = w.packs.data() + owned.first_pack;
@@ -65,21 +65,21 @@ WayOut way_out(const ContactFinder<Contacts, N>& w, std::uint32_t first, std::ui
   return shortest;
 }
 
-/// Returns the shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres out of
-/// its own. pushed_W: force on a by b in the step before, N. Bodies go on leaving each other along it, because
-/// nearer faces would let them through each other's sides (test_tunnelling.cc).
+/// Returns the shortest way of body a out of body b: of its spheres out of b's surfaces, or of b's spheres
+/// out of its own. pushed_W: force on a by b in the previous step, N. Separation continues along it, because
+/// nearer faces would let the bodies pass through each other's sides (test_tunnelling.cc).
 template <class Contacts, std::size_t N>
 Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
              const Vec3& pushed_W) noexcept {
   const auto out_of = [&](std::uint32_t of, std::uint32_t body, const Vec3& pushed) noexcept {
-    return way_out(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
+    return exit_direction(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
   };
-  const WayOut a_moves = out_of(b, a, pushed_W), b_moves = out_of(a, b, -pushed_W);
+  const ExitDirection a_moves = out_of(b, a, pushed_W), b_moves = out_of(a, b, -pushed_W);
   return a_moves.distance <= b_moves.distance ? a_moves.n_W : Vec3(-b_moves.n_W);
 }
 
-/// Which way two bodies leave each other whose boxes are sunk in each other: the normal of a face of a box of theirs, off
-/// that body. Spheres and edges see nothing of such a pair, or push it all ways.
+/// Axis along which two bodies with sunk boxes separate: the normal of a face of one of the boxes, off that
+/// body. Spheres and edges of such a pair detect nothing, or push in all directions.
 struct SinkingAxis {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
   std::uint32_t number = none;  // of the box among those of its body, whose body, and which face
@@ -91,7 +91,7 @@ struct SinkingAxis {
   }
 };
 
-/// How far a body reaches in a direction, with its spheres and shapes.
+/// Returns the extent of a body in a direction, with its spheres and shapes.
 template <class Contacts, std::size_t N>
 Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
   const auto& owned = w.owned[body];
@@ -101,7 +101,7 @@ Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
   return reach;
 }
 
-/// The axis along which bodies a and b are least deep in each other; that with this number, if there is one.
+/// Returns the axis along which bodies a and b are least deep, or the axis of the given number, if any.
 template <class Contacts, std::size_t N>
 SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                          std::uint32_t number) noexcept {

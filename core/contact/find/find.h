@@ -1,17 +1,18 @@
-// Which spheres of bodies are near each other, near shapes on other bodies, and near the world.
+// Search for contacts: spheres of bodies near each other, near shapes on other bodies, and near the world.
 //
-// A body with shapes is touched at its shapes by the spheres of others, one without at its spheres. Bodies on joints
-// of one tree do not touch each other. Bound: that of the broad phase; for each pair of bodies with overlapping boxes
-// a query for each sphere in the other's box; for each body, surface of the world and four of its spheres a look whether
-// they are near, and a query for those that are.
+// A body with shapes is touched by spheres of others at its shapes, one without at its spheres. Bodies of one
+// tree of joints do not touch each other. Bound: that of the broad phase. For each pair of bodies with
+// overlapping boxes, a query for each sphere in the other's box. For each body and surface of the world, a
+// test of nearness per four spheres, and a query for each near one.
 #pragma once
 
 #include "core/contact/find/on_surfaces.h"
 
 namespace godobject {
 
-/// Box o of body a against box q of body b, or the world. Edges that are deep where the stage is predicted to end, and were
-/// where it starts, are not those that touched first: where the boxes were apart then, they are taken where they touch.
+/// Finds crossings of the edges of box o of body a and box q of body b, or the world. Edges that are deep at
+/// both ends of the stage were not the first to touch. If the boxes were apart at its start, edges are
+/// evaluated at the time of touching.
 template <class Contacts, std::size_t N>
 BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
                         std::uint32_t b, std::uint32_t q, std::uint64_t key,
@@ -56,7 +57,8 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   return BoxesAre::deep;
 }
 
-/// The boxes of body a against the boxes [first, end) of body b, or the world. True: two are sunk in each other.
+/// Finds crossings of the boxes of body a with the boxes [first, end) of body b, or the world. Returns true
+/// if two boxes are sunk.
 template <class Contacts, std::size_t N>
 bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                    std::uint32_t first, std::uint32_t end,
@@ -73,8 +75,8 @@ bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::ui
   return are_sunk;
 }
 
-/// Bodies that are sunk in each other: one contact along one axis, the same until they are out, between their centres of
-/// mass, since no point says where they touch.
+/// Adds one contact along one axis for sunk bodies, between their centres of mass, because no contact point
+/// is defined. The axis is kept until they have separated.
 template <class Contacts, std::size_t N>
 void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                std::uint32_t before, NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -91,7 +93,7 @@ void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32
            std::numeric_limits<Real>::infinity(), near);
 }
 
-/// Two bodies, one at least with shapes. were_deep: in each other, in the step before.
+/// Finds the contacts of two bodies, at least one with shapes. were_deep: overlap in the previous step.
 template <class Contacts, std::size_t N>
 void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                     const DeepPair& were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -107,13 +109,13 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
     find(&a_leaves, &b_leaves);
   }
   if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
-  // a soft law may let them in so deep: then its springs hold what was done to them, and are kept
+  // such depth with a soft law: its springs store the work, and are kept
   if (were_deep.pressed && were_deep.axis == SinkingAxis::none) return;
   near.forget_from(before);
   find_sunk(w, a, b, pair, were_deep.axis, near);
 }
 
-/// Spheres of both bodies.
+/// Finds the contacts of the spheres of both bodies.
 template <class Contacts, std::size_t N>
 void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
                      std::uint64_t pair, NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -145,8 +147,8 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
   }
 }
 
-/// The near contacts of all bodies in a stage of length h that is predicted to end where w.at has them. before: what
-/// contacts carried over.
+/// Finds the near contacts of all bodies in a stage of length h with the predicted end w.at. before: contact
+/// memory of the previous step.
 template <class Contacts, std::size_t N>
 void find_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                    std::size_t num_bodies, Real h, ContactFinder<Contacts, N>& w,

@@ -1,4 +1,4 @@
-// Four spheres at a time against a shape: which of them are near it.
+// Tests of four spheres at a time against a shape.
 #pragma once
 
 #include "core/contact/find/exit_direction.h"
@@ -6,8 +6,8 @@
 
 namespace godobject {
 
-/// Four spheres and a box: bit j of the result, sphere j is near. Where its centre is inside, its depth is its radius,
-/// and it has no normal; with a way out, it is that from there.
+/// Tests four spheres against a box. Bit j of the result: sphere j is near. If its centre is inside, the
+/// depth is its radius, without a normal, or along the exit direction, if given.
 inline std::uint32_t near_box(const PlacedShape& box, const SpherePack& pack, Real travel,
                               const Vec3* way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
   const Mat3& R_WS = box.R_WS();
@@ -21,7 +21,8 @@ inline std::uint32_t near_box(const PlacedShape& box, const SpherePack& pack, Re
   return bits(-contact_reach * pack.r - travel < d);
 }
 
-/// Four spheres and a box that their body leaves through one face: the same, of those that touch it, behind that face.
+/// Tests four spheres against a box that their body leaves through one face, of those that touch it, behind
+/// that face.
 inline std::uint32_t behind_face(const PlacedShape& box, const SpherePack& pack, const Vec3& way_out_S,
                                  Pack& d, Vector3<Pack>& n_W) noexcept {
   const std::uint32_t hits = near_box(box, pack, 0, nullptr, d, n_W) & bits(Pack(0) < d);
@@ -35,7 +36,7 @@ inline std::uint32_t behind_face(const PlacedShape& box, const SpherePack& pack,
   return hits;
 }
 
-/// Four spheres and a half-space: the same.
+/// Tests four spheres against a half-space.
 inline std::uint32_t near_plane(const PlacedShape& plane, const SpherePack& pack, Real travel, Pack& d,
                                 Vector3<Pack>& n_W) noexcept {
   const Mat3& R_WS = plane.R_WS();
@@ -48,12 +49,13 @@ inline std::uint32_t near_plane(const PlacedShape& plane, const SpherePack& pack
   return ~bits(d <= -contact_reach * pack.r - travel);
 }
 
-/// The radius of a ball round a shape about the origin of its frame, of those that have one.
+/// Returns the radius of a ball round a shape about the origin of its frame, for bounded shapes.
 inline Real ball_round(const PlacedShape& shape) noexcept {
   return shape.kind() == ShapeKind::box ? shape.half_extents().norm() : shape.radius() + shape.half_length();
 }
 
-/// Four spheres and what is within `size` of p: bit j, sphere j may touch it. One that is nowhere may.
+/// Tests four spheres against a ball of radius `size` about p. Bit j: sphere j may touch it; true for
+/// undefined positions.
 inline std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) noexcept {
   Pack distance_sq = 0;
   for (int c = 0; c < 3; ++c) {
@@ -64,7 +66,7 @@ inline std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) no
   return ~bits(reach * reach <= distance_sq);
 }
 
-/// Four spheres and a capsule: the same.
+/// Tests four spheres against a capsule.
 inline std::uint32_t within_capsule(const PlacedShape& shape, const SpherePack& pack, Real travel) noexcept {
   const Mat3& R_WS = shape.R_WS();
   Vector3<Pack> a = pack.p_W;
@@ -76,7 +78,7 @@ inline std::uint32_t within_capsule(const PlacedShape& shape, const SpherePack& 
   return ~bits(reach * reach <= a.squaredNorm());
 }
 
-/// Four spheres and any shape, with a ball of this radius round it: the same.
+/// Tests four spheres against any shape, by a ball of the given radius round it.
 inline std::uint32_t may_touch(const PlacedShape& shape, Real ball, const SpherePack& pack,
                                Real travel) noexcept {
   if (shape.kind() == ShapeKind::capsule) return within_capsule(shape, pack, travel);

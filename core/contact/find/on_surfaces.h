@@ -1,4 +1,5 @@
-// The spheres of a body against surfaces of the world, or of another body, four at a time where these are planes and boxes.
+// Contacts of the spheres of a body with surfaces of the world or of another body, four at a time for planes
+// and boxes.
 #pragma once
 
 #include "core/contact/find/before.h"
@@ -7,8 +8,8 @@
 
 namespace godobject {
 
-/// Adds a contact of bodies, or of a body and the world, with the speed at which it opens: if it is within reach where the
-/// stage is predicted to end, or where it starts. What presses a body down again may not let it come off as predicted.
+/// Adds a contact with its opening speed if it is within reach at the predicted end of the stage or at its
+/// start. A load may keep a body from separating as predicted.
 template <class Contacts, std::size_t N>
 void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
               NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -16,9 +17,9 @@ void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
   if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
 }
 
-/// Spheres of body a against the surfaces [first, end) of body b. Those of a body with shapes that are deep in a box of the
-/// world leave it through one face. leaving_W: the way by which all spheres of a leave b, if they are deep in each other.
-/// True: they are, and the result is undefined.
+/// Finds the contacts of the spheres of body a with the surfaces [first, end) of body b. Spheres of a body
+/// with shapes leave a box of the world through one face if they are deep. leaving_W: direction in which all
+/// spheres of a leave b if they overlap deeply. Returns true if they do; the result is then undefined.
 template <class Contacts, std::size_t N>
 // NOLINTNEXTLINE(readability-function-size): a list of cases
 bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
@@ -32,10 +33,10 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
     const Real ball = ball_round(w.placed[o]);
     for (std::uint32_t s = on_a.first_sphere, k = on_a.first_pack; s < on_a.end_sphere; s += 4, ++k) {
       const SpherePack& pack = w.packs[k];
-      std::uint32_t sought = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
+      std::uint32_t searched = on_a.end_sphere - s >= 4 ? 15u : (1u << (on_a.end_sphere - s)) - 1;
       if constexpr (Contacts::between_bodies) {
-        if (b < N) sought &= reaching(pack, on_a.travel, w.broad.boxes[b]);
-        if (sought == 0) continue;
+        if (b < N) searched &= reaching(pack, on_a.travel, w.broad.boxes[b]);
+        if (searched == 0) continue;
       }
       const PlacedShape& shape = w.placed[o];
       const auto found = [&](std::uint32_t j, Real d, const Vec3& n_W) noexcept {
@@ -80,17 +81,17 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       Pack d;
       Vector3<Pack> n_W;
       if (shape.kind() == ShapeKind::plane) {
-        const std::uint32_t hits = sought & near_plane(shape, pack, travel, d, n_W);
+        const std::uint32_t hits = searched & near_plane(shape, pack, travel, d, n_W);
         found_all(hits, d, n_W);
         continue;
       }
       if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind() == ShapeKind::box) {
         std::uint32_t hits = 0;
         if (leaving_W != nullptr) {
-          hits = sought & behind_face(shape, pack, face_along(shape.R_WS(), *leaving_W), d, n_W);
+          hits = searched & behind_face(shape, pack, face_along(shape.R_WS(), *leaving_W), d, n_W);
         } else {
-          hits = sought & near_box(shape, pack, travel, nullptr, d, n_W);
-          // it may have come in over another face, or be through
+          hits = searched & near_box(shape, pack, travel, nullptr, d, n_W);
+          // it may have entered through another face, or have passed through
           const std::uint32_t past = shape.half_extents().minCoeff() < travel ? 15 : bits(Pack(0) < d);
           std::uint32_t fast = hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
           for (; fast != 0; fast &= fast - 1) {
@@ -108,14 +109,14 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           }
           if ((hits & bits(pack.r <= d)) != 0) {
             if (b < N) return true;
-            const Vec3 face = face_along(shape.R_WS(), way_out(w, o, o + 1, a, Vec3::Zero()).n_W);
-            hits = sought & near_box(shape, pack, travel, &face, d, n_W);
+            const Vec3 face = face_along(shape.R_WS(), exit_direction(w, o, o + 1, a, Vec3::Zero()).n_W);
+            hits = searched & near_box(shape, pack, travel, &face, d, n_W);
           }
         }
         found_all(hits, d, n_W);
         continue;
       }
-      std::uint32_t hits = sought & may_touch(shape, ball, pack, travel);
+      std::uint32_t hits = searched & may_touch(shape, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;

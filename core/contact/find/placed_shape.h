@@ -1,4 +1,4 @@
-// A shape in the world during a stage. Its pose is set as a whole, so that no part of it can be read unset.
+// Shape in the world during a stage. Its pose is set as a whole, so that no part can be read unset.
 #pragma once
 
 #include "core/joint/tree.h"
@@ -6,14 +6,14 @@
 
 namespace godobject {
 
-/// Shape with its pose in the world: the quaternion and the matrix R_WS are one attitude.
+/// Shape with its pose in the world; the quaternion and the matrix R_WS are one attitude.
 class PlacedShape {
  public:
   PlacedShape() = default;
   /// in_world: its X_WS is the pose in the world.
   explicit PlacedShape(const ShapeParams& in_world) noexcept
       : in_world_(in_world), R_WS_(in_world.X_WS.q.toRotationMatrix()) {}
-  /// on_body: its X_WS is the pose against the body. at: the body.
+  /// on_body: its X_WS is the pose on the body. at: place of the body.
   PlacedShape(const ShapeParams& on_body, const TreePlace& at) noexcept
       : in_world_(on_body), R_WS_(at.R_WB * on_body.X_WS.q.toRotationMatrix()) {
     in_world_.X_WS = {.p = at.p_W + at.R_WB * on_body.X_WS.p, .q = Quat(at.R_WB) * on_body.X_WS.q};
@@ -25,10 +25,10 @@ class PlacedShape {
   const Vec3& half_extents() const noexcept { return in_world_.half_extents; }
   Real radius() const noexcept { return in_world_.radius; }
   Real half_length() const noexcept { return in_world_.half_length; }
-  /// Dimensions and pose in the world.
+  /// Returns the dimensions and the pose in the world.
   const ShapeParams& in_world() const noexcept { return in_world_; }
 
-  /// Moves the shape, and turns it about the origin of its frame.
+  /// Moves the shape and turns it about the origin of its frame.
   void move(const Vec3& way_W, const Quat& turn_W) noexcept {
     in_world_.X_WS = {.p = in_world_.X_WS.p + way_W, .q = turn_W * in_world_.X_WS.q};
     R_WS_ = turn_W.toRotationMatrix() * R_WS_;
@@ -39,7 +39,7 @@ class PlacedShape {
   Mat3 R_WS_ = Mat3::Identity();
 };
 
-/// Half the extents of a shape that bodies carry, about the origin of its frame.
+/// Returns half the extents of a shape on a body, about the origin of its frame.
 inline Vec3 half_extents(const ShapeParams& shape) noexcept {
   if (shape.kind == ShapeKind::sphere) return Vec3::Constant(shape.radius);
   if (shape.kind == ShapeKind::capsule)

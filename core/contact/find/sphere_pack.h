@@ -1,4 +1,4 @@
-// Spheres of bodies in the world, four to a pack: what contacts between bodies are sought on.
+// Spheres of bodies in the world, four to a pack, for the search for contacts between bodies.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@ struct Sphere {
   Real r = 0;               // radius, m
 };
 
-/// Four spheres of one body. The last pack of a body repeats its last sphere in lanes without one.
+/// Four spheres of one body. The last pack of a body repeats its last sphere in unused lanes.
 struct SpherePack {
   Vector3<Pack> p_W = Vector3<Pack>::Constant(Pack(0));
   Pack r = 0;
 };
 
-/// Sphere k of those that begin with this pack.
+/// Returns sphere k of those that begin with this pack.
 inline Sphere sphere(const SpherePack* packs, std::uint32_t k) noexcept {
   return {.p_W = lane(packs[k / 4].p_W, k % 4), .r = packs[k / 4].r[k % 4]};
 }

@@ -1,14 +1,15 @@
-// What moves farther in a stage than it is large: contacts are those where it first touches on its way.
+// Sweep of shapes that move farther in a stage than their size: contacts are those of the first touch on the
+// way.
 //
-// Where a stage is predicted to end, a fast sphere may be past the middle of a solid, or behind the edge that it came over:
-// the nearest face there is not the one through which it has entered, and would let it pass.
+// At the predicted end of a stage, a fast sphere may be past the middle of a solid or behind the edge that it
+// crossed. The nearest face there is not the one of entry and would let it pass.
 #pragma once
 
 #include "core/contact/find/edges.h"
 
 namespace godobject {
 
-/// Returns nearest(), of a box by its matrix: to rounding the same, and sooner.
+/// Returns nearest(); for a box by its matrix, equal up to rounding and faster.
 inline SurfacePoint nearest_of(const PlacedShape& shape, const Vec3& p_W, Real reach) noexcept {
   if (shape.kind() != ShapeKind::box) return nearest(shape.in_world(), p_W, reach);
   const Vec3 p_S = shape.R_WS().transpose() * (p_W - shape.p_W());
@@ -16,7 +17,7 @@ inline SurfacePoint nearest_of(const PlacedShape& shape, const Vec3& p_W, Real r
   return {.distance = s.distance, .n = shape.R_WS() * s.n};
 }
 
-/// Where a sphere is against the surface that it touched first.
+/// Place of a sphere against the surface that it touched first.
 struct SweptContact {
   bool touches = false;
   bool was_inside = false;  // its centre, where it starts: it has no way in
@@ -24,9 +25,10 @@ struct SweptContact {
   Vec3 n_W = Vec3::UnitZ();
 };
 
-/// What a way through a stage comes to: the part of it that is left where it first touches, if it is through at the end;
-/// otherwise where it last is no deeper than where it starts, or in touch. By conservative advancement: `deep` changes by no
-/// more than the way. deep(left), left from 1 to 0; in_touch: depths that count as touching. Negative: it does not touch.
+/// Returns the remaining share of a way through a stage at the first touch, if it ends inside. Otherwise that
+/// of the last place no deeper than the start, or in touch. By conservative advancement: `deep` changes by at
+/// most the way.
+/// deep(left): depth, left from 1 to 0. in_touch: depths that count as touching. Result < 0: no touch.
 template <class Depth>
 Real left_at_touch(Real way, Real in_touch, Depth deep) noexcept {
   const Real first = deep(1), last = deep(0), touch = std::max(first, Real(0)) + in_touch;
@@ -50,7 +52,7 @@ Real left_at_touch(Real way, Real in_touch, Depth deep) noexcept {
   return -1;
 }
 
-/// A sphere of radius r that comes from p + back to p, against the shape.
+/// Sweeps a sphere of radius r from p + back to p against the shape.
 inline SweptContact swept(const PlacedShape& shape, const Vec3& p_W, const Vec3& back_W, Real r) noexcept {
   const Real way = back_W.norm(), reach = r + way;
   const auto at = [&](Real left) noexcept { return nearest_of(shape, p_W + left * back_W, reach); };
@@ -64,7 +66,8 @@ inline SweptContact swept(const PlacedShape& shape, const Vec3& p_W, const Vec3&
   return {.touches = true, .depth = r - s.distance + left * s.n.dot(back_W), .n_W = s.n};
 }
 
-/// The boxes are so deep in each other at most, along the normal of a face or an edge: < 0: so far apart at least.
+/// Returns an upper bound of the boxes' depth along the normal of a face or an edge; < 0: a lower bound of
+/// their distance.
 inline Real depth_of(const BoxOnBox& w) noexcept {
   Real depth = least_face(w).depth;
   for (int i = 0; i < 3; ++i) {
@@ -75,7 +78,7 @@ inline Real depth_of(const BoxOnBox& w) noexcept {
   return depth;
 }
 
-/// Surface o of a body, so many seconds before the end of the stage.
+/// Returns surface o of a body, a time before the end of the stage, s.
 template <class Contacts, std::size_t N>
 PlacedShape earlier(const ContactFinder<Contacts, N>& w, std::uint32_t body, std::uint32_t o,
                     Real before) noexcept {
@@ -85,8 +88,8 @@ PlacedShape earlier(const ContactFinder<Contacts, N>& w, std::uint32_t body, std
   return shape;
 }
 
-/// How long before the end of the stage boxes o of body a and q of body b touch. Not positive: not before it, or they have
-/// been sunk in each other where it starts.
+/// Returns the time before the end of the stage at which boxes o of body a and q of body b touch, s. Not
+/// positive: no touch before it, or the boxes are sunk at the start.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] Real time_from_touch(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
                                        std::uint32_t b, std::uint32_t q, Real travel, Real reach) noexcept {

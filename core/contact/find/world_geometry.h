@@ -1,4 +1,4 @@
-// Where the spheres and shapes of bodies are during a stage: what contacts are sought on.
+// Places of the spheres and shapes of bodies during a stage, for the search for contacts.
 #pragma once
 
 #include "core/contact/candidates.h"
@@ -7,48 +7,49 @@
 
 namespace godobject {
 
-/// Scratch: undefined between steps.
+/// Working storage of the search, undefined between steps.
 template <class Contacts, std::size_t N>
 struct ContactFinder {
   static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;
   static constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
-  // as many as keys of contacts can tell apart (core/contact/find/find.h)
+  // as many as keys of contacts can distinguish (core/contact/find/find.h)
   static_assert(max_spheres + max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
     std::uint32_t tree = 0;           // of the bodies on joints that do not touch each other
     Real travel = 0;                  // bound of how far its spheres move in the stage, m
     Real farthest = 0, smallest = 0;  // of its spheres: distance from the centre of mass, radius, m
-    Twist pulled;                     // its velocity without contacts, beyond what it was predicted to be
+    Twist beyond_predicted;           // its velocity without contacts minus the predicted one
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
     bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
   };
-  /// s, since the bodies were last where they had been solved to be.
+  /// Returns the time since the last solved place of the bodies, s.
   Real since() const noexcept { return h + extrapolated; }
 
   std::array<Owned, N> owned;
   Real h = 0;             // of the stage, s
   Real extrapolated = 0;  // s, by which its base is ahead of where anything has been
-  // what contacts carried over: from the step before, and from the stage before if it is of this step
+  // contact memory of the previous step, and of the previous stage if it is in this step
   const ContactMemories<Contacts::max_contacts>*before = nullptr, *of_stage = nullptr;
-  std::size_t num_fixed = 0;  // surfaces of the world
-  bool strays = false;        // a body is pulled from where its contacts are sought, unless they hold it
+  std::size_t num_fixed = 0;      // surfaces of the world
+  bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
+                                  // contacts are searched
   std::array<TreePlace, N> at;
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
   std::array<PlacedShape, max_surfaces> placed;             // surfaces in the world
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
-/// How fast a point of a body moves at the end of the stage; the world rests.
+/// Returns the velocity of a point of a body at the end of the stage; zero for the world.
 template <class Contacts, std::size_t N>
 Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& p_W) noexcept {
   if (body >= N) return Vec3::Zero();
   const TreePlace& at = w.at[body];
   return at.V.v + at.V.w.cross(p_W - at.a_W);
 }
-/// How fast a point opens along a normal that is off body b, if it moves with body a; or four points.
+/// Returns the opening speed of a point of body a, or of four points, along a normal off body b.
 template <class T = Real, class Contacts, std::size_t N>
 T opening_at(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, const Vector3<T>& p_W,
              const Vector3<T>& n_W) noexcept {
@@ -59,7 +60,8 @@ T opening_at(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t
   return b < N ? along(w.at[a]) - along(w.at[b]) : along(w.at[a]);
 }
 
-/// The spheres of a body in the world, up to number `end`, four to a pack from `packs` on. Returns the number of packs.
+/// Places the spheres of a body in the world, up to number `end`, four to a pack from `packs` on. Returns the
+/// number of packs.
 template <std::size_t max_spheres, std::size_t max_surfaces, class Owned>
 std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par, std::uint32_t end,
                             const TreePlace& at, SpherePack* packs, Owned& owned) noexcept {
@@ -88,7 +90,7 @@ std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par,
   return num_packs;
 }
 
-/// The box round what these spheres reach, and where they come from.
+/// Returns the box round the spheres' reach, including the way that they come.
 inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real travel) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));
@@ -107,8 +109,8 @@ inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real tra
   return box;
 }
 
-/// The surfaces of a body in the world, from number o on, and the box round all that it touches with: the broad phase's
-/// entry of the body. Returns the number after them.
+/// Places the surfaces of a body in the world, from number o on. Computes the box round its whole contact
+/// geometry, its entry of the broad phase. Returns the number after them.
 template <class Contacts, std::size_t N>
 std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
                              ContactFinder<Contacts, N>& w) noexcept {
@@ -127,18 +129,18 @@ std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t
   return o;
 }
 
-/// No point up to so far from the centre of mass is faster, m/s.
+/// Returns a bound of the speed of points up to `farthest` from the centre of mass, m/s.
 inline Real speed_bound(const Twist& V, Real farthest) noexcept {
   return V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest;
 }
 
-/// Some sphere moves farther than it is large with velocities that are so much beyond what was predicted.
+/// True if a sphere moves by more than its size at velocities `beyond` the predicted ones.
 template <class Owned>
-bool is_astray(const Owned& owned, const Twist& beyond, Real h) noexcept {
+bool is_outside_search(const Owned& owned, const Twist& beyond, Real h) noexcept {
   return h * speed_bound(beyond, owned.farthest) > owned.smallest;
 }
 
-/// Who owns what, and where it all is.
+/// Assigns spheres and surfaces to their bodies and places them.
 template <class Contacts, std::size_t N>
 void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
                   ContactFinder<Contacts, N>& w) noexcept {
@@ -146,7 +148,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
   for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o)
     w.placed[o] = PlacedShape(par.surfaces[o].shape);
   w.num_fixed = o;
-  w.strays = false;
+  w.may_leave_search = false;
   if constexpr (Contacts::between_bodies) w.broad.num_entries = 0;
   for (std::uint32_t i = 0; i < num_bodies; ++i) {
     auto& owned = w.owned[i];
@@ -156,12 +158,12 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     owned.first_pack = num_packs;
     num_packs += place_spheres(par, s, w.at[i], w.packs.data() + num_packs, owned);
     owned.travel = w.since() * speed_bound(w.at[i].V, owned.farthest);
-    w.strays = w.strays || is_astray(owned, owned.pulled, w.h);
+    w.may_leave_search = w.may_leave_search || is_outside_search(owned, owned.beyond_predicted, w.h);
     if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
   }
 }
 
-/// The face of a box that looks most in this direction: its normal, in the box's frame.
+/// Returns the normal of the box face nearest to a direction, in the box's frame.
 inline Vec3 face_along(const Mat3& R_WS, const Vec3& n_W) noexcept {
   const Vec3 n_S = R_WS.transpose() * n_W;
   Eigen::Index k = 0;

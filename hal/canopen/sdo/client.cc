@@ -36,11 +36,11 @@ bool Client::begin(ObjectAddress address, Expected expected, const Message& firs
   late_aborts_ = repeats_;
   repeats_ = 0;
   state_ = TransferState::busy;
-  ask(first, expected);
+  request(first, expected);
   return true;
 }
 
-void Client::ask(const Message& message, Expected expected) noexcept {
+void Client::request(const Message& message, Expected expected) noexcept {
   message_ = message;
   expected_ = expected;
   must_send_ = true;
@@ -73,12 +73,13 @@ void Client::poll(Nanoseconds now, CanBus& bus) noexcept {
     must_send_ = false;
     finish(TransferState::not_sent);
   } else {
-    // The server may be in the middle of its transfer: tell it, with the next poll.
+    // The server may be within its transfer: the next poll sends the abort.
     give_up(TransferState::timed_out, AbortCode::timed_out);
   }
 }
 
-// Some servers abort with index 0. A message without a whole address is an answer to a segment, or an abort.
+// True if the message answers this transfer. Some servers abort with index 0. A message without a whole
+// address answers a segment or is an abort.
 bool Client::is_of_this_transfer(const Message& message, std::size_t size) noexcept {
   const bool is_abort = command_of(message) == static_cast<std::uint8_t>(Response::abort);
   const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
@@ -95,11 +96,11 @@ bool Client::on_frame(const CanFrame& frame) noexcept {
   Message message;
   std::size_t size = 0;
   const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
-  const bool asked = !must_send_ || (initiating && repeats_ > 0);
-  if (!busy() || !asked || parse_response(frame, node_, message, size) != ParseResult::ok) return false;
+  const bool requested = !must_send_ || (initiating && repeats_ > 0);
+  if (!busy() || !requested || parse_response(frame, node_, message, size) != ParseResult::ok) return false;
   const auto response = static_cast<Response>(command_of(message));
-  if (!is_of_this_transfer(message, size)) return false;  // late: of an earlier one
-  must_send_ = false;                                     // a repeat that has found no room
+  if (!is_of_this_transfer(message, size)) return false;  // late answer to an earlier transfer
+  must_send_ = false;                                     // cancels a repeat not yet sent
   if (response == Response::abort) {
     finish(TransferState::aborted, abort_code_of(message));
     return true;
@@ -126,7 +127,7 @@ bool Client::on_frame(const CanFrame& frame) noexcept {
   return true;
 }
 
-// A download has been accepted up to position_.
+// Sends the next segment of a download; the server has accepted the data up to position_.
 void Client::send_segment() noexcept {
   if (size_ <= expedited_capacity || position_ == size_) {
     finish(TransferState::done);
@@ -135,8 +136,8 @@ void Client::send_segment() noexcept {
   const std::size_t count = std::min(segment_capacity, size_ - position_);
   const auto bytes = std::span<const std::uint8_t>(data_).subspan(position_, count);
   position_ += count;
-  ask(make_segment(Request::download_segment, toggle_, position_ == size_, bytes),
-      Expected::download_segment);
+  request(make_segment(Request::download_segment, toggle_, position_ == size_, bytes),
+          Expected::download_segment);
 }
 
 void Client::on_upload_started(const Message& message, std::size_t size) noexcept {
@@ -159,7 +160,7 @@ void Client::on_upload_started(const Message& message, std::size_t size) noexcep
     give_up(TransferState::too_large, AbortCode::out_of_memory);
     return;
   }
-  ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
+  request(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
 }
 
 void Client::on_upload_segment(const Message& message, std::size_t size) noexcept {
@@ -183,7 +184,7 @@ void Client::on_upload_segment(const Message& message, std::size_t size) noexcep
     finish(TransferState::done);
   } else {
     toggle_ = !toggle_;
-    ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
+    request(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
   }
 }
 
@@ -214,13 +215,13 @@ std::string Client::failure_text() const {
     case TransferState::timed_out:
       return "no answer within " + ms +
              (repeats_ == 0 ? "" : " to " + std::to_string(1 + repeats_) + " requests") +
-             ": is the node powered and not stopped, is this its node-ID and no other's, has the bus this "
-             "bit rate and both terminations?";
+             ": check that the node is powered and not stopped, that its node-ID is right and unique, and "
+             "the bit rate and both terminations of the bus";
     case TransferState::not_sent:
-      return "the bus did not take the request within " + ms +
-             ": is another node on it that acknowledges, at this bit rate?";
+      return "the bus did not accept the request within " + ms +
+             ": check that another node acknowledges at this bit rate";
     case TransferState::bad_answer:
-      return std::string("answered against the protocol: ") + code.data() + text_of(abort_code_);
+      return std::string("the answer violates the protocol: ") + code.data() + text_of(abort_code_);
     case TransferState::too_large: return "the object has more than " + std::to_string(capacity) + " bytes";
     case TransferState::idle:
     case TransferState::busy:

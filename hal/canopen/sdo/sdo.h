@@ -1,8 +1,6 @@
 // Service data objects (CiA 301 7.2.4.3): expedited and segmented transfers, both directions. Block transfer
-// is not spoken. Each message is eight bytes, but some servers leave out those at the end that hold nothing;
-// the first byte, the command, is told apart by the direction it goes.
-//
-// The room: client.h makes one transfer on a bus, sequence.h several in a row.
+// is not supported. Each message has eight bytes; some servers omit unused bytes at the end. The direction of
+// a message determines the meaning of its first byte, the command.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +36,7 @@ enum class AbortCode : std::uint32_t {
   device_state = 0x0800'0022,
 };
 
-/// What CiA 301 says the code means; vendors' own codes give "not in CiA 301: see the device's manual".
+/// Returns the meaning of the code in CiA 301; for vendor codes "not in CiA 301: see the device's manual".
 const char* text_of(AbortCode code) noexcept;
 
 using canopen::make_frame;
@@ -49,7 +47,7 @@ using canopen::parse_frame;
 inline constexpr std::size_t expedited_capacity = 4;
 inline constexpr std::size_t segment_capacity = 7;
 
-/// The command specifier: bits 7..5 of the first byte.
+/// Command specifier: bits 7..5 of the first byte.
 enum class Request : std::uint8_t {
   download_segment = 0,
   initiate_download = 1,  // client writes
@@ -83,13 +81,13 @@ constexpr Message addressed(Command command, std::uint8_t flags, ObjectAddress a
 }
 }  // namespace detail
 
-/// Either direction's message without data: initiate_upload of a client, initiate_download of a server.
+/// Makes a message without data: initiate_upload of a client, initiate_download of a server.
 template <class Command>
 constexpr Message make_plain(Command command, ObjectAddress address) noexcept {
   return detail::addressed(command, 0, address);
 }
 
-/// A value of 1 to 4 bytes in the message itself: of Request::initiate_download, Response::initiate_upload.
+/// Makes an expedited message with 1 to 4 bytes: Request::initiate_download, Response::initiate_upload.
 template <class Command>
 constexpr Message make_expedited(Command command, ObjectAddress address,
                                  std::span<const std::uint8_t> data) noexcept {
@@ -99,13 +97,13 @@ constexpr Message make_expedited(Command command, ObjectAddress address,
   return message;
 }
 
-/// `size` bytes will follow in segments.
+/// Announces `size` bytes that follow in segments.
 template <class Command>
 constexpr Message make_announcement(Command command, ObjectAddress address, std::uint32_t size) noexcept {
   return detail::addressed(command, 0x01, address, size);
 }
 
-/// Up to 7 bytes: of Request::download_segment, Response::upload_segment.
+/// Makes a segment of up to 7 bytes: Request::download_segment, Response::upload_segment.
 template <class Command>
 constexpr Message make_segment(Command command, bool toggle, bool last,
                                std::span<const std::uint8_t> data) noexcept {
@@ -117,7 +115,7 @@ constexpr Message make_segment(Command command, bool toggle, bool last,
   return message;
 }
 
-/// The other side's turn: of Request::upload_segment, Response::download_segment.
+/// Makes a segment request or confirmation: Request::upload_segment, Response::download_segment.
 template <class Command>
 constexpr Message make_turn(Command command, bool toggle) noexcept {
   return {static_cast<std::uint8_t>(static_cast<unsigned>(command) << 5 | (toggle ? 0x10u : 0u))};
@@ -132,7 +130,7 @@ constexpr AbortCode abort_code_of(const Message& message) noexcept {
   return static_cast<AbortCode>(code);
 }
 
-/// Reads an answer of a node of any length from 1 byte on; bytes beyond `size` are 0.
+/// Parses an answer of a node, at least 1 byte long. Bytes of `out` beyond `size` are 0.
 [[nodiscard]] constexpr ParseResult parse_response(const CanFrame& frame, std::uint8_t node, Message& out,
                                                    std::size_t& size) noexcept {
   if (!canopen::is_canopen(frame) || frame.id != response_cob_id(node)) return ParseResult::other_message;
@@ -144,11 +142,11 @@ constexpr AbortCode abort_code_of(const Message& message) noexcept {
   return ParseResult::ok;
 }
 
-/// What a message that initiates a transfer with data says of them.
+/// Size information in a message that initiates a transfer.
 struct Initiation {
   bool expedited = false;
   bool size_given = false;
-  std::uint32_t size = 0;  // bytes; of an expedited transfer without one all four
+  std::uint32_t size = 0;  // bytes; 4 for an expedited transfer without size
 };
 constexpr Initiation initiation_of(const Message& message) noexcept {
   Initiation out{.expedited = (message[0] & 0x02u) != 0, .size_given = (message[0] & 0x01u) != 0};

@@ -16,7 +16,7 @@ std::string formatted(const char* format, auto... values) {
   return text.data();
 }
 
-/// Decimal, and hexadecimal too where the object is no small number.
+/// Formats a number in decimal, above FFh also in hexadecimal.
 std::string number(std::int64_t value) {
   std::string text = std::to_string(value);
   if (value > 0xFF) text += formatted(" (%08llXh)", static_cast<unsigned long long>(value));

@@ -7,7 +7,7 @@
 namespace godobject {
 namespace {
 
-constexpr std::size_t batch = 4096;  // frames: far more than come in a few periods
+constexpr std::size_t batch = 4096;  // frames; far more than arrive in a few periods
 
 }  // namespace
 

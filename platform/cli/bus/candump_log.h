@@ -12,39 +12,39 @@
 
 namespace godobject {
 
-/// A frame and the wire it was on.
+/// Frame and index of its bus.
 struct BusFrame {
   std::size_t bus = 0;
   ReceivedFrame received;
 };
 
-/// Puts the frames of all buses in the order of their times, which differs from that of their coming by some
-/// periods at most, and writes them. add() and close() in one thread, pass_on() in another; neither is the real-time one.
+/// Writes the frames of all buses sorted by time. Frames arrive at most a few periods out of order. add() and
+/// close() are called by one thread, pass_on() by another; neither is the real-time thread.
 class CandumpLog {
  public:
+  /// sink: receives text; returns false if some of it was not written.
   /// buses: interface names, at most 15 characters.
-  /// sink: takes text; false: not all of it got where it is to go.
   CandumpLog(std::function<bool(std::string_view)> sink, std::vector<std::string> buses);
 
   void add(const BusFrame& frame);
-  /// Appends the frames that were there two calls ago, and those of earlier times: called ten times a second it leaves none
-  /// unwritten for long, and others of the same time have come. Nothing while add() or close() is at it.
+  /// Appends the frames older than the newest frame of two calls ago. Called ten times a second, all frames
+  /// of those times have arrived by then. Does nothing while add() or close() runs.
   void pass_on(const std::function<void(std::string_view)>& append);
-  /// Writes what is left. False when anything did not reach the sink.
+  /// Writes the remaining frames. Returns false if the sink failed at any time.
   [[nodiscard]] bool close();
 
  private:
   void sort();
-  /// The text of the first frames, which are then no longer there.
+  /// Formats and removes the first `count` frames.
   const std::string& take_first(std::size_t count);
   void write_first(std::size_t count);
 
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // guards the members below
   std::function<bool(std::string_view)> sink_;
   std::vector<std::string> buses_;
   std::vector<BusFrame> waiting_;
   std::string buffer_;
-  std::array<Nanoseconds, 2> newest_{};  // of the frames that were there at the last two calls of pass_on()
+  std::array<Nanoseconds, 2> newest_{};  // newest frame at each of the last two calls of pass_on()
   bool all_written_ = true;
 };
 

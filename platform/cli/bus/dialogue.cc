@@ -10,11 +10,13 @@
 namespace godobject {
 
 void add_dialogue_options(CLI::App& verb, DialogueOptions& options) {
-  verb.add_option("--bus", options.bus, "socketcan:IFACE, slcan:PATH or pty:; see docs/buses.md")->required();
-  verb.add_option("--bit-rate", options.bit_rate, "of the bus, bit/s")
+  verb.add_option("--bus", options.bus,
+                  "use this bus: socketcan:IFACE, slcan:PATH or pty:; see docs/buses.md")
+      ->required();
+  verb.add_option("--bit-rate", options.bit_rate, "set the bit rate of the bus, bit/s")
       ->check(number_above(0, 1e6))
       ->capture_default_str();
-  verb.add_option("--timeout", options.timeout, "for each answer, s")
+  verb.add_option("--timeout", options.timeout, "wait for each answer up to this time, s")
       ->check(number_above(0, 600))
       ->capture_default_str();
 }
@@ -47,7 +49,7 @@ void BusDialogue::run(const std::function<bool()>& busy, const std::function<voi
     pollfd waiting{.fd = bus_->descriptor(), .events = POLLIN, .revents = 0};
     ppoll(&waiting, 1, &longest_wait, nullptr);
   }
-  poll(MonotonicClock().now(), *bus_);  // an abort may have yet to be sent
+  poll(MonotonicClock().now(), *bus_);  // sends an abort if one is pending
 }
 
 LastWords BusDialogue::last_words(std::span<const CanFrame> frames) const {

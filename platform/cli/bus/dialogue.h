@@ -1,8 +1,4 @@
-// One bus of this machine, for a verb that asks something on it and waits for the answer.
-//
-// The room: node_dialogue.h asks a CANopen node by SDO;
-// message_decoder.h says frames in words and message_table.h counts them, candump_log.h keeps them;
-// object_text.h and load_text.h are words alone.
+// One bus of this machine, for a verb that sends requests on it and waits for the answers.
 #pragma once
 
 #include <functional>
@@ -21,32 +17,34 @@ namespace godobject {
 struct DialogueOptions {
   std::string bus;
   double bit_rate = 1e6;  // bit/s
-  double timeout = 1;     // s, for each answer
+  double timeout = 1;     // s, per answer
 
   Nanoseconds timeout_ns() const { return static_cast<Nanoseconds>(1e9 * timeout); }
 };
 
-/// --bus, --bit-rate and --timeout.
+/// Adds --bus, --bit-rate and --timeout.
 void add_dialogue_options(CLI::App& verb, DialogueOptions& options);
 
 class BusDialogue {
  public:
-  /// Opens the bus; reports to stderr and returns other than ok where it cannot. wanted: what is received.
+  /// Opens the bus to receive the frames that match a filter. On failure prints the reason to stderr and
+  /// returns its exit code.
   ExitCode open(const DialogueOptions& options, std::span<const CanFilter> wanted);
-  /// The same where all answers have one COB-ID.
+  /// As above, for answers that share one COB-ID.
   ExitCode open(const DialogueOptions& options, std::uint32_t cob_id) {
     const CanFilter answers{.id = cob_id, .mask = 0x7FF};
     return open(options, {&answers, 1});
   }
 
-  /// Until busy() is false: on_frame for each frame, then poll, at least each millisecond.
+  /// Runs until busy() returns false: calls on_frame for each frame, then poll, at least once per
+  /// millisecond.
   void run(const std::function<bool()>& busy, const std::function<void(const CanFrame&)>& on_frame,
            const std::function<void(Nanoseconds, CanBus&)>& poll);
 
-  /// The frames as the open bus takes them.
+  /// Encodes the frames for the open bus.
   LastWords last_words(std::span<const CanFrame> frames) const;
 
-  /// What is wrong with the bus, after "; "; empty where nothing is.
+  /// Returns the trouble of the bus after "; ", or an empty string.
   std::string trouble() const;
 
  private:

@@ -1,4 +1,4 @@
-// What the load of a bus is shown as.
+// The load of a bus as text and as JSON.
 #pragma once
 
 #include <cstdio>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// Every message of the bus, by priority.
+/// Prints every message of the bus, by priority.
 void print_bus_load(std::FILE* out, const BusLoad& load);
 nlohmann::ordered_json to_json(const BusLoad& load);
 

@@ -63,7 +63,7 @@ std::string object_of(const sdo::Message& message) {
   return format("%04Xh:%02X", static_cast<unsigned>(address.index), static_cast<unsigned>(address.sub));
 }
 
-/// " = 0x1234" of an expedited transfer, else how much will follow.
+/// Returns " = 0x1234" for an expedited transfer, else the number of bytes that follow.
 std::string data_of(const sdo::Message& message) {
   const sdo::Initiation initiation = sdo::initiation_of(message);
   if (!initiation.expedited)
@@ -76,7 +76,7 @@ std::string data_of(const sdo::Message& message) {
 
 std::string decode_sdo(const CanFrame& frame, bool is_request) {
   sdo::Message message{};
-  const std::size_t shortest = is_request ? message.size() : 1;  // some servers leave bytes out
+  const std::size_t shortest = is_request ? message.size() : 1;  // some servers omit bytes
   const bool is_one = canopen::is_canopen(frame) && frame.size >= shortest && frame.size <= message.size();
   if (!is_one) return "not 8 bytes";
   std::copy_n(frame.data.begin(), frame.size, message.begin());
@@ -100,7 +100,7 @@ std::string decode_sdo(const CanFrame& frame, bool is_request) {
   return "segment";
 }
 
-/// Counts of a sensor that wraps begin at zero; others go below it, in two's complement.
+/// Returns the counts as shown. Counts of a sensor that wraps are unsigned; others are in two's complement.
 long long shown_counts(std::uint32_t counts, const Calibration& calibration) {
   return calibration.modulus_counts == 0 ? static_cast<std::int32_t>(counts) : static_cast<long long>(counts);
 }
@@ -127,8 +127,8 @@ std::string MessageDecoder::node_name(std::uint8_t id) const {
   return id == host_ ? "host" : "node " + std::to_string(id);
 }
 
-/// q = home + sign (counts - offset) / counts_per_unit, the difference within half a modulus, as Encoder has it:
-/// counts that do not wrap are of 32 bits.
+/// Computes q = home + sign (counts - offset) / counts_per_unit, with the difference wrapped to half a
+/// modulus, as Encoder does. Counts without a modulus wrap at 2^32.
 std::string MessageDecoder::coordinate(std::int64_t counts, const Calibration& calibration,
                                        const std::string& joint) const {
   std::int64_t difference = counts - calibration.offset_counts;

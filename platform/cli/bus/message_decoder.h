@@ -1,4 +1,4 @@
-// What a CAN frame says, in words: by the rules of CANopen, or of the drives that the scene has on the bus.
+// Text of a CAN frame, by CANopen or by the protocol of the scene's drives on the bus.
 #pragma once
 
 #include <array>
@@ -10,17 +10,18 @@ namespace godobject {
 
 struct MessageText {
   std::string name;   // "TPDO1 of base encoder"; empty: not a message of the bus's protocol
-  std::string value;  // "0.1234 rad"; empty: nothing is known of the data
+  std::string value;  // "0.1234 rad"; empty: not decoded
 };
 
 class MessageDecoder {
  public:
-  /// Knows CANopen (CiA 301) and nothing of the nodes.
+  /// Decodes CANopen (CiA 301), without names of nodes.
   MessageDecoder() = default;
-  /// Knows the nodes of bus `bus` of the rig, too. The rig must outlive it.
+  /// Decodes the messages of bus `bus` of the rig with the names of its nodes. The rig must outlive the
+  /// decoder.
   MessageDecoder(const RigParams& rig, std::size_t bus);
 
-  /// Any frame.
+  /// Decodes any frame.
   MessageText decode(const CanFrame& frame) const;
 
  private:
@@ -39,8 +40,8 @@ class MessageDecoder {
 
   const RigParams* rig_ = nullptr;
   std::array<Node, canopen::max_node_id + 1> nodes_{};
-  std::uint8_t host_ = 0;                             // node id; 0: not known
-  DriveText (*describe_)(const CanFrame&) = nullptr;  // of the bus's drives; null: CANopen
+  std::uint8_t host_ = 0;                             // node id; 0: unknown
+  DriveText (*describe_)(const CanFrame&) = nullptr;  // protocol of the bus's drives; null: CANopen
 };
 
 }  // namespace godobject

@@ -10,7 +10,7 @@ constexpr double ns = 1e-9;
 
 std::string hexadecimal(const CanFrame& frame) {
   if (frame.remote) return "remote";
-  constexpr std::size_t max_shown = 16;  // bytes; more do not fit a line
+  constexpr std::size_t max_shown = 16;  // bytes that fit into a line
   std::string text;
   std::array<char, 4> byte{};
   for (std::size_t i = 0; i < std::min<std::size_t>(frame.size, max_shown); ++i) {

@@ -1,4 +1,4 @@
-// What came over the buses, message by message: how often, how regularly, and what it said last.
+// Table of the messages seen on the buses: count, period and latest value of each.
 #pragma once
 
 #include <array>
@@ -19,11 +19,11 @@ struct MessageStatistics {
   CanFrame last{};
 
   void add(const ReceivedFrame& received) noexcept;
-  /// Mean distance of two frames, s; 0 below two frames.
+  /// Returns the mean time between two frames, s; 0 for fewer than two frames.
   double period_s() const noexcept;
 };
 
-/// A bus as the monitor sees it.
+/// A monitored bus and its totals.
 struct MonitoredBus {
   std::string name;
   BitRates bit_rates;
@@ -31,9 +31,9 @@ struct MonitoredBus {
 
   std::uint64_t count = 0;
   Nanoseconds first_ns = 0, last_ns = 0;
-  Nanoseconds on_wire_ns = 0;  // what the frames took at the bus's bit rate
+  Nanoseconds on_wire_ns = 0;  // time of the frames on the wire at the bus's bit rate
 
-  /// Between the first and the last frame; 0 below two frames.
+  /// Returns the load between the first and the last frame; 0 for fewer than two frames.
   double load_percent() const noexcept;
 };
 
@@ -45,8 +45,8 @@ class MessageTable {
   const MonitoredBus& bus(std::size_t i) const { return buses_[i]; }
   std::size_t num_buses() const noexcept { return buses_.size(); }
 
-  /// A heading and a line per message: by bus, then by identifier, standard before extended ones; a remote frame
-  /// is a message of its own.
+  /// Returns a heading and a line per message, sorted by bus, then identifier, standard before extended. A
+  /// remote frame is a message of its own.
   std::vector<std::string> lines() const;
 
  private:

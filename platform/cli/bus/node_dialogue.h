@@ -1,4 +1,4 @@
-// One CANopen node on one bus of this machine, asked and told by SDO, one transfer at a time, not in real time.
+// One CANopen node on one bus, read and written by SDO, one transfer at a time, not in real time.
 #pragma once
 
 #include <optional>
@@ -13,13 +13,13 @@ namespace godobject {
 struct NodeOptions {
   DialogueOptions dialogue;
   int node = 1;
-  int host_node = 127;  // the scene's host_node_id
+  int host_node = 127;  // host_node_id of the scene
 
   sdo::Client make_client() const { return sdo::Client(node_id(), dialogue.timeout_ns()); }
   std::uint8_t node_id() const { return static_cast<std::uint8_t>(node); }
 };
 
-/// --bus, --bit-rate, --timeout, --node and --host-node.
+/// Adds --bus, --bit-rate, --timeout, --node and --host-node.
 void add_node_options(CLI::App& verb, NodeOptions& options);
 
 struct TypedObject {
@@ -27,33 +27,35 @@ struct TypedObject {
   canopen::ObjectType type = canopen::ObjectType::u32;
 };
 
-/// Each call waits for the node's answer, --timeout at the longest.
+/// SDO client of one node. Each call waits for the node's answer for at most --timeout.
 class NodeDialogue {
  public:
   explicit NodeDialogue(const NodeOptions& options) : options_(options), client_(options.make_client()) {}
 
-  /// Opens the bus and listens for half a second. Reports to stderr and returns other than ok where the bus
-  /// cannot be opened.
+  /// Opens the bus and listens for half a second. If the bus cannot be opened, prints the reason to stderr
+  /// and returns its exit code.
   ExitCode open();
-  /// What has been heard since open() of a host that runs the bus; empty: nothing, or it is this program.
+  /// Returns the traffic since open() that reveals another host on the bus; empty: none, or from this
+  /// program.
   const std::string& host_seen() const { return host_seen_; }
 
-  /// None, false: failure() says why.
+  /// Return none or false on failure; failure() has the reason.
   std::optional<std::int64_t> read(const TypedObject& object);
   std::optional<std::string> read_text(canopen::ObjectAddress address);
   bool write(const TypedObject& object, std::int64_t value);
-  /// The request to write it, for LastResort. The bus is open.
+  /// Returns the request that writes the value, for LastResort. Requires an open bus.
   LastWords last_words(const TypedObject& object, std::int64_t value) const;
-  /// The last transfer failed because the node does not have the object.
+  /// True if the last transfer failed because the node does not have the object.
   bool was_absent() const;
-  /// Why the last transfer failed: object, what happened, what to check; empty: it went well.
+  /// Returns why the last transfer failed: object, cause, check to make; empty after a success.
   const std::string& failure() const { return failure_; }
   /// Prints failure() to stderr.
   ExitCode report() const;
 
-  /// Network management of this node alone.
+  /// Sends a command of network management to this node alone.
   void command(canopen::NmtCommand command);
-  /// From now on, whenever this waits, the host's heartbeat is sent: at once, then each 100 ms.
+  /// Switches the host's heartbeat on or off. While on it is sent at once, then every 100 ms in each wait of
+  /// this class.
   void send_heartbeats(bool on) {
     heartbeats_ = on;
     t_heartbeat_ns_ = 0;

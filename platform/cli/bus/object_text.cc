@@ -22,7 +22,7 @@ std::optional<std::uint32_t> parse_hex(std::string_view text, std::uint32_t max)
   return complete && value <= max ? std::optional(value) : std::nullopt;
 }
 
-/// Decimal, or hexadecimal after "0x".
+/// Parses a decimal number, or a hexadecimal one after "0x".
 std::optional<std::int64_t> parse_number(std::string_view text) {
   const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
   if (hexadecimal) text.remove_prefix(2);
@@ -59,7 +59,8 @@ std::string format_bytes(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-/// Printable characters; others as '.', so that a device cannot write to the terminal.
+/// Returns printable characters as they are and others as '.', so that a device cannot send control codes to
+/// the terminal.
 std::string format_text(std::span<const std::uint8_t> bytes) {
   std::string text;
   for (const std::uint8_t byte : bytes)
@@ -108,7 +109,8 @@ std::optional<std::vector<std::uint8_t>> parse_value(std::string_view text, cons
                                                      std::string& error) {
   if (type == hex_type) {
     std::optional<std::vector<std::uint8_t>> bytes = parse_bytes(text);
-    if (!bytes) error = "'" + std::string(text) + "' is not pairs of hexadecimal digits, as 0A00";
+    if (!bytes)
+      error = "'" + std::string(text) + "' is not a sequence of pairs of hexadecimal digits, as 0A00";
     return bytes;
   }
   const std::optional<ObjectType> number = number_type(type);

@@ -36,7 +36,7 @@ ExitCode DriveDialogue::open() {
   constexpr unsigned profile = 402;
   const auto found = static_cast<unsigned>(*type & 0xFFFF);
   if (found == profile) return ExitCode::ok;
-  return refuse(node_, "is no CiA 402 drive: its profile (1000h) is " + std::to_string(found));
+  return refuse(node_, "is not a CiA 402 drive: its profile (1000h) is " + std::to_string(found));
 }
 
 std::optional<std::uint16_t> DriveDialogue::statusword() {
@@ -58,17 +58,18 @@ bool DriveDialogue::command(std::uint16_t controlword) {
 ExitCode PoweredDrive::check(OperationMode mode) {
   NodeDialogue& node = drive_.node();
   if (!node.host_seen().empty())
-    return refuse(node,
-                  "a host runs this bus (" + node.host_seen() + "): stop it first, a drive has one master");
+    return refuse(node, "a host runs this bus (" + node.host_seen() +
+                            "): stop the host first, because a drive has one master");
   const std::optional<DriveState> state = drive_.state();
   if (!state) return node.report();
   if (*state == DriveState::fault || *state == DriveState::fault_reaction_active) {
     const std::optional<std::int64_t> error = node.read(drive_object::error_code);
     return refuse(node, "is in fault (" + (error ? error_code_text(*error) : node.failure()) +
-                            "): godobject drive ... reset");
+                            "): reset it with godobject drive ... reset");
   }
   if (!has_no_power(*state))
-    return refuse(node, std::string("is powered already, by somebody else: ") + name_of(*state));
+    return refuse(node, std::string("was already enabled by another program, which must disable it first: ") +
+                            name_of(*state));
   const std::optional<std::int64_t> modes = node.read(drive_object::supported_modes);
   if (!modes && !node.was_absent()) return node.report();
   if (modes && !cia402::supports(static_cast<std::uint32_t>(*modes), mode))
@@ -99,7 +100,8 @@ ExitCode PoweredDrive::set_mode(OperationMode mode) {
     if (*shown == wanted) return ExitCode::ok;
     if (MonotonicClock().now() >= t_end_ns)
       return refuse(node, "6061h stays " + std::to_string(*shown) + " for 1 s after 6060h <- " +
-                              std::to_string(wanted) + ": see its manual for when it changes its mode");
+                              std::to_string(wanted) +
+                              ": see its manual for the states in which it changes its mode");
     node.wait(poll_period_ns);
   }
 }
@@ -111,14 +113,15 @@ void PoweredDrive::watch_this_program() {
   if (former_consumer_) former_abort_connection_ = node.read(drive_object::abort_connection);
   if (former_abort_connection_ && node.write(drive_object::abort_connection, disable_voltage_option) &&
       node.write(drive_object::heartbeat_consumer, std::int64_t{node.host_node()} << 16 | patience_ms)) {
-    // A drive begins to watch with the first heartbeat: it must have it before it gets power.
+    // The supervision of a drive starts with the first heartbeat, which must therefore arrive before the
+    // power.
     node.send_heartbeats(true);
     node.wait(to_take_effect_ns);
     return;
   }
   std::fprintf(stderr,
-               "node %d: does not watch whether this program lives (%s): without it, or without the cable, "
-               "the drive keeps its last command\n",
+               "node %d: does not supervise this program (%s): if the program or the cable fails, the drive "
+               "keeps its last command\n",
                node.node(), node.failure().c_str());
 }
 
@@ -131,10 +134,9 @@ ExitCode PoweredDrive::enable() {
     if (*state == DriveState::operation_enabled) return ExitCode::ok;
     if (*state == DriveState::fault || MonotonicClock().now() >= t_end_ns) {
       const std::optional<std::int64_t> error = node.read(drive_object::error_code);
-      return refuse(node,
-                    std::string("does not get to Operation Enabled, it is in ") + name_of(*state) +
-                        (error ? ", " + error_code_text(*error) : "") +
-                        ": is its power supply on, its safe torque off released, its enable input set?");
+      return refuse(node, std::string("does not reach Operation Enabled; it is in ") + name_of(*state) +
+                              (error ? ", " + error_code_text(*error) : "") +
+                              ": check its power supply, safe torque off and enable input");
     }
     last = cia402::next_controlword(*state, last, false);
     if (!drive_.command(last)) return node.report();
@@ -166,7 +168,7 @@ bool PoweredDrive::confirm_off() {
   return false;
 }
 
-// What cannot be put back is no danger: the drive is off, and a run sets it up anew.
+// Restores the settings. A failure is harmless, because the drive is off and a run commissions it again.
 void PoweredDrive::restore() {
   NodeDialogue& node = drive_.node();
   const auto put_back = [&node](const TypedObject& object, const std::optional<std::int64_t>& value) {

@@ -1,6 +1,4 @@
-// A CiA 402 drive commanded by SDO: for bringing it up, not for running it.
-//
-// The room: home.h finds its reference, move.h turns it, each for the verb `drive`.
+// A CiA 402 drive commanded by SDO, for commissioning, not for running it.
 #pragma once
 
 #include "hal/drive/cia402_text.h"
@@ -29,11 +27,11 @@ class DriveDialogue {
  public:
   explicit DriveDialogue(const NodeOptions& options) : node_(options) {}
 
-  /// Opens the bus and makes sure that a CiA 402 drive answers. Reports to stderr.
+  /// Opens the bus and checks that a CiA 402 drive answers. Prints errors to stderr.
   ExitCode open();
   NodeDialogue& node() { return node_; }
 
-  /// Where the drive does not answer: none, false, and node().failure() says why.
+  /// Return none or false if the drive does not answer; node().failure() has the reason.
   std::optional<std::uint16_t> statusword();
   std::optional<cia402::DriveState> state();
   bool command(std::uint16_t controlword);
@@ -42,11 +40,11 @@ class DriveDialogue {
   NodeDialogue node_;
 };
 
-/// A drive that is given power, and in every case loses it again: at the latest in the destructor.
+/// A powered drive, whose power is removed by the destructor at the latest.
 ///
-/// It is held in NMT pre-operational, so that no PDO moves it. Where it can (1016h, 6007h) it is told to switch
-/// itself off when it has not heard this program for half a second: killed, or the cable off. A program that dies of a
-/// defect still sends it disable voltage.
+/// The drive is kept in NMT pre-operational, so that no PDO moves it. If it supports 1016h and 6007h, it is
+/// set to switch itself off half a second after the last heartbeat of this program, killed or unplugged. A
+/// program that dies of a defect sends disable voltage first.
 class PoweredDrive {
  public:
   explicit PoweredDrive(DriveDialogue& drive) : drive_(drive) {}
@@ -54,13 +52,13 @@ class PoweredDrive {
   PoweredDrive(const PoweredDrive&) = delete;
   PoweredDrive& operator=(const PoweredDrive&) = delete;
 
-  /// Refuses while a host runs the bus, in fault, when it is powered already, and for a mode that the drive does
-  /// not have. Afterwards the mode is in effect, the drive still without power. Reports to stderr.
+  /// Selects the mode, with the drive still off. Refuses if a host runs the bus, if the drive is in fault or
+  /// powered already, or if it does not have the mode. Prints errors to stderr.
   ExitCode prepare(cia402::OperationMode mode);
-  /// To Operation Enabled. The targets must be at rest. Reports to stderr.
+  /// Brings the drive to Operation Enabled. The targets must be at rest. Prints errors to stderr.
   ExitCode enable();
-  /// Disable voltage, and the settings as they were. Other than ok: it could not be confirmed, which is
-  /// reported to stderr. Nothing more to do the second time.
+  /// Disables the voltage and restores the settings. If the off state is not confirmed, prints this to stderr
+  /// and returns an error. A second call does nothing.
   ExitCode off();
 
  private:

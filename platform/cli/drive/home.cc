@@ -28,17 +28,16 @@ ExitCode failed(NodeDialogue& node, const char* what, const std::string& hint) {
 
 ExitCode tell_outcome(NodeDialogue& node, const HomeOptions& options, Homing::Result result) {
   if (result == Homing::Result::timed_out)
-    return failed(node, "has not ended in time",
-                  "give it longer with --within; is the method's switch there?");
+    return failed(node, "did not end in time", "raise --within, and check the method's switch");
   if (result == Homing::Result::failed) {
     const std::optional<std::int64_t> error = node.read(drive_object::error_code);
     return failed(node, "failed",
-                  (error ? error_code_text(*error) : node.failure()) + "; does the drive have method " +
-                      std::to_string(options.method) + ", are switch and index there?");
+                  (error ? error_code_text(*error) : node.failure()) + "; check that the drive has method " +
+                      std::to_string(options.method) + ", and check switch and index");
   }
   const std::optional<std::int64_t> position = node.read(drive_object::position);
   if (!position) return node.report();
-  std::printf("home is known; it is at %lld counts\n", static_cast<long long>(*position));
+  std::printf("home was found, at %lld counts\n", static_cast<long long>(*position));
   return ExitCode::ok;
 }
 
@@ -47,7 +46,7 @@ ExitCode run_homing(DriveDialogue& drive, const HomeOptions& options, const std:
   NodeDialogue& node = drive.node();
   Homing homing(static_cast<Nanoseconds>(1e9 * options.within));
   for (;;) {
-    if (stop) return failed(node, "interrupted", "home is not known");
+    if (stop) return failed(node, "interrupted", "home was not found");
     const std::optional<std::uint16_t> word = drive.statusword();
     if (!word) return node.report();
     const std::uint16_t controlword = homing.step(*word, MonotonicClock().now());

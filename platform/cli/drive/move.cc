@@ -18,7 +18,7 @@ using cia402::CommandKind;
 namespace {
 
 constexpr Nanoseconds command_period_ns = 10'000'000, line_period_ns = 200'000'000,
-                      settling_ns = 100'000'000;  // to the last target
+                      settling_ns = 100'000'000;  // wait before the last line
 
 const TypedObject& target_of(CommandKind kind) noexcept {
   switch (kind) {
@@ -31,7 +31,7 @@ const TypedObject& target_of(CommandKind kind) noexcept {
 
 class Move {
  public:
-  /// out: a terminal that takes nothing does not keep the motor moving.
+  /// out: buffered, so that a blocked terminal does not keep the motor moving.
   Move(DriveDialogue& drive, const MoveOptions& options, BackgroundFile& out)
       : drive_(drive), node_(drive.node()), options_(options), out_(out), ramp_(options.duration) {}
 
@@ -63,14 +63,14 @@ class Move {
     return print_line(options_.duration);
   }
 
-  /// When, where it was.
+  /// Returns the time of an interruption, s.
   std::optional<double> interrupted_s() const { return interrupted_s_; }
 
  private:
   std::int64_t target(double t) const noexcept {
     const bool position = options_.kind == CommandKind::position;
     const auto change = std::llround(options_.value * (position ? ramp_.way(t) : ramp_.rate(t)));
-    // Counts are modulo 2^32.
+    // counts are modulo 2^32
     return position ? static_cast<std::int32_t>(static_cast<std::uint32_t>(start_ + change)) : change;
   }
 
@@ -134,7 +134,7 @@ ExitCode move_drive(DriveDialogue& drive, const MoveOptions& options, const std:
   const ExitCode off = power.off();
   if (off == ExitCode::ok) static_cast<void>(out.write("off\n"));
   static_cast<void>(out.close(BackgroundFile::Clock::now() + out_patience));
-  if (const std::optional<double> t = move.interrupted_s())  // the motor goes before what is said about it
+  if (const std::optional<double> t = move.interrupted_s())  // printed after the motor is off
     std::fprintf(stderr, "node %d: interrupted after %.2f s\n", drive.node().node(), *t);
   return code == ExitCode::ok ? off : code;
 }

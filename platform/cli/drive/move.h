@@ -1,4 +1,4 @@
-// A short, slow move of one drive, to see that motor, sensor and signs are right.
+// A short, slow move of one drive, to check motor, sensor and signs.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,8 @@
 
 namespace godobject {
 
-/// A ramp up for the first quarter, a ramp down for the last: 0 to 1 to 0, and how far that leads, 0 to 1.
+/// Trapezoidal profile with ramps of a quarter of the duration each: rate() from 0 to 1 to 0, and way(), its
+/// integral, from 0 to 1.
 class MoveRamp {
  public:
   explicit constexpr MoveRamp(double duration) noexcept : duration_(duration), ramp_(duration / 4) {}
@@ -17,7 +18,7 @@ class MoveRamp {
     const double nearest = t < from_end ? t : from_end;
     return nearest <= 0 ? 0 : nearest >= ramp_ ? 1 : nearest / ramp_;
   }
-  /// The integral of rate over its whole.
+  /// Returns the integral of rate() up to t, divided by the integral over the whole duration.
   constexpr double way(double t) const noexcept {
     if (t <= 0) return 0;
     if (t >= duration_) return 1;
@@ -26,7 +27,7 @@ class MoveRamp {
     if (from_end < ramp_) return 1 - from_end * from_end / (2 * ramp_) / area();
     return (t - ramp_ / 2) / area();
   }
-  /// The largest rate of change of way(), 1/s.
+  /// Returns the largest rate of change of way(), 1/s.
   constexpr double peak_rate() const noexcept { return 1 / area(); }
 
  private:
@@ -36,12 +37,12 @@ class MoveRamp {
 
 struct MoveOptions {
   cia402::CommandKind kind = cia402::CommandKind::velocity;
-  double value = 0;     // counts/s; counts from where it stands; per mille of 6076h
+  double value = 0;     // counts/s, relative counts, or per mille of 6076h
   double duration = 1;  // s
 };
 
-/// From power off by way of the move to power off, with a line of what the drive says five times a second. Ends
-/// early, with power off, when `stop` is set and when anything goes wrong; reports that to stderr.
+/// Powers the drive, moves it and turns it off; prints the drive's values five times a second. Ends early if
+/// `stop` is set or an error occurs, which it prints to stderr.
 ExitCode move_drive(DriveDialogue& drive, const MoveOptions& options, const std::atomic<bool>& stop);
 
 }  // namespace godobject

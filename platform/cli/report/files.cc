@@ -42,7 +42,7 @@ void RunFiles::add(const CycleRecord& record) {
   }
   if (start_) {
     start_->t_bus_ns = record.motion_start_ns;
-    start_->device_q = record.device_q;  // not known before
+    start_->device_q = record.device_q;  // unknown before the first step
   }
   add_start();
   write(record);
@@ -98,7 +98,7 @@ void RunFiles::add_row(const CycleRecord& record) {
 
 std::vector<FileLoss> RunFiles::close() {
   add_start();
-  if (trace_) static_cast<void>(trace_->close());  // what is lost the file says
+  if (trace_) static_cast<void>(trace_->close());  // the file reports losses
   if (contacts_) static_cast<void>(contacts_->close());
   if (nets_) static_cast<void>(nets_->close());
   if (record_) static_cast<void>(record_->close());

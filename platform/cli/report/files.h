@@ -1,4 +1,4 @@
-// The files a run fills while it goes: trace and bus log, each only where asked for.
+// The files that a run fills: traces and bus log, each if requested.
 #pragma once
 
 #include <memory>
@@ -15,15 +15,15 @@
 
 namespace godobject {
 
-/// What a run is asked to write while it goes.
+/// Names of the files to write during a run; empty: not written.
 struct RunFileNames {
   std::string trace, contacts, nets, record;
   std::uint64_t trace_every =
-      1;  // of trace and contacts: every so many rows, and where a fault comes up or ends
-  std::uint64_t nets_every = 40;  // of nets: every so many rows
+      1;  // write every n-th row of trace and contacts, and rows where a fault begins or ends
+  std::uint64_t nets_every = 40;  // write every n-th row of nets
 };
 
-/// A file that lacks something.
+/// A file that is not complete.
 struct FileLoss {
   std::string path;
   std::string why;               // empty: the writer of a real-time run was too slow
@@ -32,7 +32,7 @@ struct FileLoss {
 
 class RunFiles {
  public:
-  /// Empty paths: not wanted. log_origin_ns is added to the times of frames.
+  /// log_origin_ns: added to the times of frames.
   RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns);
 
   bool wants_contacts() const noexcept { return contacts_.has_value(); }
@@ -45,10 +45,10 @@ class RunFiles {
     logged.received.t_ns += log_origin_ns_;
     record_->add(logged);
   }
-  /// How long add() waits for a file that takes nothing before it gives it up; 0: it waits for none, and leaves out what
-  /// finds no room. At first 2 s.
+  /// Sets how long add() waits for a blocked file before it stops writing it. 0: add() does not wait, and
+  /// drops text without room. Default 2 s.
   void set_patience(std::chrono::milliseconds patience) noexcept { patience_ = patience; }
-  /// Waits for what is left, 2 s at most, and names the files that are not complete.
+  /// Waits at most 2 s for pending text, and returns the incomplete files.
   std::vector<FileLoss> close();
 
  private:
@@ -59,20 +59,20 @@ class RunFiles {
 
   RunFileNames names_;
   Nanoseconds log_origin_ns_;
-  std::vector<std::size_t> driven_, children_;  // bodies with a target; of each joint
-  std::vector<TraceBody> bodies_;               // the row being written
+  std::vector<std::size_t> driven_, children_;  // bodies with a target; child of each joint
+  std::vector<TraceBody> bodies_;               // row being written
   std::vector<TraceDriven> pulls_;
   std::vector<Wrench> joints_;
-  std::optional<CycleRecord> start_;  // waits for the time at which the motion starts
-  std::uint64_t num_rows_ = 0;        // so far, with those that were left out
-  Fault fault_ = Fault::none;         // of the row before
+  std::optional<CycleRecord> start_;  // waits for the start time of the motion
+  std::uint64_t num_rows_ = 0;        // number of rows so far, with omitted ones
+  Fault fault_ = Fault::none;         // fault of the previous row
   RigFault rig_faults_ = RigFault::none;
   std::chrono::milliseconds patience_{2000};
   std::optional<BackgroundFile> trace_file_, contacts_file_, nets_file_, record_file_;
   std::optional<TraceWriter> trace_;
   std::optional<ContactTraceWriter> contacts_;
   std::optional<NetTraceWriter> nets_;
-  std::shared_ptr<CandumpLog> record_;  // of the thread that writes it, too
+  std::shared_ptr<CandumpLog> record_;  // shared with the thread that writes it
 };
 
 }  // namespace godobject

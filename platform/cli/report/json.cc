@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 double to_us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
 
-/// null: nothing was measured. Histogram: [upper edge in us, count] of every bin that has something in it.
+/// Returns percentiles and [upper edge in us, count] of every bin that is not empty; null without samples.
 Json to_json(const Histogram& h) {
   if (h.count() == 0) return nullptr;
   Json bins = Json::array();
@@ -27,7 +27,7 @@ Json to_json(const Histogram& h) {
           {"histogram", std::move(bins)}};
 }
 
-/// null: no cycle was counted.
+/// Returns the statistics of a pose error; null without samples.
 Json to_json(const PoseErrorStatistics& e) {
   if (e.count() == 0) return nullptr;
   return {{"rms_m", e.rms().m}, {"max_m", e.max().m}, {"rms_rad", e.rms().rad}, {"max_rad", e.max().rad}};
@@ -186,7 +186,7 @@ Json joints(const SceneConfig& scene, const RunStatistics& run) {
   return array;
 }
 
-/// Commanded torques: of a sliding joint forces, N.
+/// Commanded torques, N m; for a sliding joint forces, N.
 Json drives(const SceneConfig& scene, const RunStatistics& run) {
   Json array = Json::array();
   for (std::size_t i = 0; i < run.drives.size(); ++i) {
@@ -271,9 +271,8 @@ nlohmann::ordered_json to_json(const RunReport& report) {
                  : Json(nullptr)},
             {"timing", timing(report.result.timing, statistics)}};
   if (report.session.follows()) {
-    json["truth"] = report.session.bus() == BusChoice::real
-                        ? "none: errors are against what the core was told"
-                        : "where the handle is";
+    json["truth"] = report.session.bus() == BusChoice::real ? "none: errors are relative to the core's target"
+                                                            : "where the handle is";
     json["following"] = to_json(statistics.following);
     if (report.session.bus() != BusChoice::real) json["sensing"] = to_json(statistics.sensing);
     if (report.session.bus() == BusChoice::sim) {

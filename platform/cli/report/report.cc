@@ -24,8 +24,8 @@ void add_core_faults(const RunStatistics& statistics, std::vector<FaultReport>& 
                         .cycles = statistics.fault_cycles[i]});
 }
 
-/// Rig::fault_text() has a line for each place; troubles: what the buses say, which explains bus_down and
-/// send_refused.
+/// Adds a fault for each line of Rig::fault_text().
+/// troubles: texts of the buses, which explain bus_down and send_refused.
 void add_rig_faults(const Rig& rig, const std::vector<std::string>& troubles,
                     std::vector<FaultReport>& faults) {
   std::istringstream lines(rig.fault_text());
@@ -42,7 +42,7 @@ void add_rig_faults(const Rig& rig, const std::vector<std::string>& troubles,
   }
 }
 
-/// Faults of a device that was armed again, which its present rig knows nothing of.
+/// Adds the faults before each re-arming, which the present rig does not record.
 void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultReport>& faults) {
   for (const Recovery& recovery : recoveries) {
     if (!recovery.recovered_after_s) continue;
@@ -57,8 +57,7 @@ void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultRe
   }
 }
 
-/// Adds the fault of a run on a device whose loop kept too few of its deadlines, with what the buses know of
-/// that.
+/// Adds the fault `held` if the loop missed too many deadlines, with the slowness of the buses.
 void add_held(const RunReport& report, std::vector<FaultReport>& faults) {
   const RunStatistics& statistics = report.result.statistics;
   const auto held = static_cast<double>(statistics.hold_cycles),
@@ -91,7 +90,7 @@ void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losse
     }
     faults.push_back({.name = std::string(text_of(RunFault::file_incomplete).name),
                       .text = loss.path + " could not be written in full: " + loss.why + "; it lacks " +
-                              std::to_string(loss.lost_lines) + " lines and whatever was cut off"});
+                              std::to_string(loss.lost_lines) + " lines and any line that was cut off"});
   }
   const auto lost = [&](const std::string& file, std::uint64_t count) {
     if (!file.empty() && count > 0)

@@ -1,4 +1,4 @@
-// What a run adds up while it goes: errors, limits, faults. Adding a cycle is real-time.
+// Statistics of a run: errors, limits, faults. Adding a cycle is real-time.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace godobject {
 
-/// Root mean square and largest value of a pose error.
+/// Root mean square and maximum of a pose error.
 class PoseErrorStatistics {
  public:
   void add(const PoseError& e) noexcept {
@@ -35,12 +35,12 @@ class PoseErrorStatistics {
   PoseError sum_sq_, max_;
 };
 
-/// The worst of a run.
+/// Largest values of a run.
 struct NetStatistics {
   double stretch = 0, deepest = 0, residual = 0;  // l / l_0; m; N
   std::size_t contacts = 0;
-  std::uint64_t iterations = 0;  // in all
-  int most_iterations = 0;       // in a step
+  std::uint64_t iterations = 0;  // total of the run
+  int most_iterations = 0;       // largest of a step
 
   void add(const NetReport& net, double stretch_now) noexcept {
     stretch = std::max(stretch, stretch_now);
@@ -62,11 +62,11 @@ struct PeakAndMean {
   }
 };
 
-/// Peaks and means of what a body, a joint or a drive did.
+/// Peaks and means of a body's motion and forces.
 struct BodyStatistics {
-  PeakAndMean speed, turn_rate;                   // m/s, rad/s
-  PeakAndMean coupling_force, coupling_torque;    // N, N m; zero of bodies without a target, as the next
-  PeakAndMean displayed_force, displayed_torque;  // to the hand
+  PeakAndMean speed, turn_rate;                 // m/s, rad/s
+  PeakAndMean coupling_force, coupling_torque;  // N, N m; zero for bodies without a target, as the next line
+  PeakAndMean displayed_force, displayed_torque;  // wrench displayed to the hand
   PeakAndMean contact_force, contact_torque;
 
   void add(const BodyView& body) noexcept {
@@ -81,7 +81,7 @@ struct BodyStatistics {
   }
 };
 struct JointStatistics {
-  std::size_t child = 0;          // body
+  std::size_t child = 0;          // index of the child body
   PeakAndMean force{}, torque{};  // N, N m
 
   void add(const Wrench& F) noexcept {
@@ -99,11 +99,11 @@ struct CoordinateStatistics {
   }
 };
 
-/// The worst of a run.
+/// Largest values of a run.
 struct ContactStatistics {
-  double residual = 0, residual_share = 0, deepest = 0;  // N; of the largest normal force; m
+  double residual = 0, residual_share = 0, deepest = 0;  // N; share of the largest normal force; m
   std::size_t contacts = 0;
-  int most_newton_iterations = 0;  // in a step
+  int most_newton_iterations = 0;  // largest of a step
 
   void add(const ContactReport& step) noexcept {
     residual = std::max(residual, static_cast<double>(step.residual));
@@ -115,12 +115,12 @@ struct ContactStatistics {
 };
 
 struct RunStatistics {
-  std::vector<BodyStatistics> bodies{};  // all of the scene's, as prepare() makes them
+  std::vector<BodyStatistics> bodies{};  // all bodies of the scene, see prepare()
   std::vector<JointStatistics> joints{};
   std::vector<CoordinateStatistics> coordinates{};  // as CycleRecord::joint_q
-  std::vector<PeakAndMean> drives{};                // size of the commanded torque, N m or N at the joint
+  std::vector<PeakAndMean> drives{};  // absolute value of the commanded torque at the joint, N m, or force, N
 
-  /// Makes room for this scene. Allocates.
+  /// Allocates the arrays for this scene.
   void prepare(const SceneConfig& scene, const CycleRecord& at_start) {
     bodies.resize(at_start.bodies.size());
     for (const JointConfig& joint : scene.joints)
@@ -130,20 +130,21 @@ struct RunStatistics {
   }
 
   std::uint64_t cycles = 0;
-  Histogram step_ns;  // the engine's step alone
-  // Over engaged cycles after the ramp: until then the body is on its way to the target, or let go.
+  Histogram step_ns;  // duration of the engine's step alone
+  // Errors over engaged cycles after the ramp. Before, the body moves to the target, or is released.
   PoseErrorStatistics following, sensing, exact_following, encoders;
-  std::array<std::uint64_t, run_limits.size()> limit_cycles{};        // cycles with that limit
+  std::array<std::uint64_t, run_limits.size()> limit_cycles{};        // number of cycles with that limit
   std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts
   RigFault rig_faults = RigFault::none;
-  std::uint64_t holds = 0, hold_cycles = 0;  // since too many deadlines were missed
+  std::uint64_t holds = 0, hold_cycles = 0;  // holds after too many missed deadlines
   bool on_hold = false;
   bool force_oscillates = false;
   NetStatistics nets;
   ContactStatistics contacts;
-  EnergyReport gain;  // where the share gained of the energy at work was largest
+  EnergyReport gain;  // at the largest energy gained, relative to the energy at work
 
-  /// A run on a device that is held for a larger share of its cycles is a fault: too little of it was felt.
+  /// Largest share of held cycles on a device; above it the run has the fault `held`, because the hand felt
+  /// too little.
   static constexpr double max_held = 0.05;
 
   void add(const CycleRecord& record) noexcept {

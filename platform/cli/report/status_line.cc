@@ -21,7 +21,7 @@ void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
   worst_wake_us_ = std::max(worst_wake_us_, 1e-3 * static_cast<double>(wake_ns));
   ++cycles_;
   if (record.on_hold) ++held_;
-  if (record.on_hold != on_hold_) say(record);
+  if (record.on_hold != on_hold_) print_hold(record);
   constexpr double rounding = 1e-9;
   if (quiet_ || record.t < due_s_ - rounding) return;
   show(record);
@@ -44,13 +44,13 @@ void StatusLine::show(const CycleRecord& record) {
   static_cast<void>(console_.write(line.data()));
 }
 
-/// What is said at once.
-void StatusLine::say(const CycleRecord& record) {
+/// Prints the begin or end of a hold at once.
+void StatusLine::print_hold(const CycleRecord& record) {
   on_hold_ = record.on_hold;
   std::array<char, 200> line{};
   std::snprintf(line.data(), line.size(), "%st %7.3f s   deadlines: %s%s\n", terminal_ ? "\r" : "", record.t,
-                on_hold_ ? "5 or more were missed within 100 ms: the pose is held, the force fades"
-                         : "kept again for 100 ms: the force comes back by the ramp",
+                on_hold_ ? "5 or more missed within 100 ms: the pose is held, the force fades"
+                         : "kept for 100 ms: the force returns by the ramp",
                 terminal_ ? "\033[K" : "");
   static_cast<void>(console_.write(line.data()));
 }

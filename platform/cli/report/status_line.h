@@ -1,4 +1,4 @@
-// The line a real-time run shows while it goes.
+// Status line of a real-time run.
 #pragma once
 
 #include "hal/can/frame.h"
@@ -7,39 +7,39 @@
 
 namespace godobject {
 
-/// On a terminal one line, redrawn five times a second; otherwise one line a second. To standard error; where that
-/// takes nothing the lines are lost.
+/// Status line on standard error: on a terminal one line, redrawn five times a second; otherwise one line per
+/// second. Lines are dropped if standard error is blocked.
 class StatusLine {
  public:
   StatusLine(BackgroundFile& console, bool quiet) noexcept;
 
-  /// Takes note of a cycle, and shows it when it is time to.
+  /// Adds a cycle, and prints the line when it is due.
   void update(const CycleRecord& record, Nanoseconds wake_ns);
-  /// Leaves the terminal's cursor on a fresh line.
+  /// Moves the terminal's cursor to a new line.
   void end();
 
  private:
   void show(const CycleRecord& record);
-  void say(const CycleRecord& record);
+  void print_hold(const CycleRecord& record);
 
   BackgroundFile& console_;
   bool quiet_;
   bool terminal_;
   double interval_s_;
-  double due_s_ = 0;          // in the run's time
-  bool on_hold_ = false;      // said
-  double worst_wake_us_ = 0;  // since the line was last shown
+  double due_s_ = 0;          // time of the run, s
+  bool on_hold_ = false;      // hold that was printed
+  double worst_wake_us_ = 0;  // since the line was last printed
   std::uint64_t cycles_ = 0, held_ = 0;
 };
 
-/// How far a run on a simulated clock has got: on a terminal alone, and only of a run that takes longer than a second.
+/// Progress of a run on a simulated clock, shown on a terminal for runs longer than a second.
 class FastProgress {
  public:
   FastProgress(BackgroundFile& console, double duration_s, bool quiet) noexcept;
 
-  /// now: of any monotonic clock, the same in every call.
+  /// now: time of any monotonic clock, the same clock in every call.
   void update(double t_s, Nanoseconds now);
-  /// Wipes the line away.
+  /// Erases the line.
   void end();
 
  private:

@@ -1,4 +1,4 @@
-// The summary a run ends with.
+// Summary at the end of a run.
 #include "platform/cli/report/report.h"
 
 #include <cinttypes>
@@ -28,7 +28,7 @@ void print_errors(std::FILE* out, const RunReport& report) {
   if (!report.session.follows()) return;
   const RunStatistics& statistics = report.result.statistics;
   if (report.session.bus() == BusChoice::real)
-    std::fprintf(out, "  %-26s none is known: errors are against what the core was told\n", "truth");
+    std::fprintf(out, "  %-26s none known: errors are relative to the core's target\n", "truth");
   print_error(out, "following error", statistics.following);
   if (report.session.bus() != BusChoice::sim || statistics.following.count() == 0) return;
   print_error(out, report.session.rig() ? "  with no encoders" : "  with no trackers",
@@ -55,12 +55,11 @@ void print_nets(std::FILE* out, const RunReport& report) {
   if (nets.nodes.empty()) return;
   const NetStatistics& n = report.result.statistics.nets;
   const double cycles = static_cast<double>(std::max<std::uint64_t>(report.result.statistics.cycles, 1));
-  std::fprintf(
-      out,
-      "  %-26s %zu nodes, %zu springs; stretched to %.4g at most; %zu contacts at most, %.3g m deep; %.1f "
-      "iterations a step, %d at most, residual %.3g N\n",
-      "nets", nets.nodes.size(), nets.springs.size(), n.stretch, n.contacts, n.deepest,
-      static_cast<double>(n.iterations) / cycles, n.most_iterations, n.residual);
+  std::fprintf(out,
+               "  %-26s %zu nodes, %zu springs; stretched to %.4g at most; %zu contacts at most, %.3g m "
+               "deep; %.1f iterations a step, %d at most, residual of forces %.3g N\n",
+               "nets", nets.nodes.size(), nets.springs.size(), n.stretch, n.contacts, n.deepest,
+               static_cast<double>(n.iterations) / cycles, n.most_iterations, n.residual);
 }
 
 void print_bus(std::FILE* out, const BusReport& bus) {

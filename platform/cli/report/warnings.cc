@@ -3,7 +3,7 @@
 namespace godobject {
 namespace {
 
-/// A limit that is active in more percent of the cycles shapes the displayed force.
+/// Share above which a limit shapes the displayed force, %.
 constexpr double rarely_percent = 5;
 
 void add_limit_warnings(const RunStatistics& statistics, std::vector<std::string>& warnings) {
@@ -33,7 +33,8 @@ std::string slow_scene_warning(const CyclicStatistics& timing, const Histogram& 
       step_s > period_s / 2
           ? "the scene is too slow for this machine; use a longer [scene] step, fewer nodes, spheres or "
             "net_iterations"
-          : "other programs, the buses or the simulated device take the time; see docs/running.md";
+          : "other programs, the buses or the simulated device use the time: end other programs; see "
+            "docs/running.md";
   std::array<char, 320> text{};
   std::snprintf(
       text.data(), text.size(),

@@ -12,10 +12,10 @@ BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
     if (scene.device && (scene.device->rig || !scene.device->trackers.empty())) return plan;
     const bool has_other_hand = scene.device && scene.device->spacemouse;
     if (!has_other_hand)
-      notes.push_back("scene '" + scene.name + "' describes no buses: it runs with --bus direct");
+      notes.push_back("scene '" + scene.name + "' describes no buses: this run uses --bus direct");
     plan.choice = BusChoice::direct;
   } else if (std::ranges::any_of(given, is_choice)) {
-    if (given.size() > 1) errors.push_back("--bus: sim and direct stand for all buses: give one --bus");
+    if (given.size() > 1) errors.push_back("--bus: sim and direct apply to all buses: give --bus once");
     plan.choice = given.front() == "sim" ? BusChoice::sim : BusChoice::direct;
   } else {
     plan.choice = BusChoice::real;

@@ -1,4 +1,4 @@
-// --bus: which buses a run has, and the real ones among them.
+// --bus: selects the buses of a run.
 #pragma once
 
 #include <span>
@@ -12,11 +12,11 @@ namespace godobject {
 
 struct BusPlan {
   BusChoice choice = BusChoice::sim;
-  RigAddresses real;  // where that is the choice
+  RigAddresses real;  // addresses, for BusChoice::real
 };
 
-/// What --bus asks for: "sim", "direct", an address where the scene has one bus, NAME=ADDRESS for each where it
-/// has several. None given: sim where the scene describes buses or trackers, which `notes` says where it does not.
+/// Plans the buses from the values of --bus: "sim", "direct", an address for a scene with one bus, or
+/// NAME=ADDRESS for each bus. Default: sim for a scene with buses or trackers; otherwise direct, with a note.
 BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
                    std::vector<std::string>& errors, std::vector<std::string>& notes);
 

@@ -1,4 +1,4 @@
-// What the loop does once a period, from the first boot cycle to the last of shut-down.
+// One period of the loop, from the first boot cycle to the last of shut-down.
 #pragma once
 
 #include <atomic>
@@ -15,19 +15,19 @@
 
 namespace godobject {
 
-/// Whether a run that lost its device arms it again by itself.
+/// Policy for re-arming after a loss of the device.
 enum class Rearm : std::uint8_t { never, automatic };
 
 struct RunPlan {
-  std::uint64_t num_cycles = 0;  // steps
+  std::uint64_t num_cycles = 0;  // number of steps
   Rearm rearm = Rearm::never;
-  bool quiet = false;            // no status line
-  const LogLink* log = nullptr;  // of the session's buses; the run ends with it
-  ViewTap* tap = nullptr;        // of who looks on; it outlives the run
+  bool quiet = false;            // true: no status line
+  const LogLink* log = nullptr;  // log that replaces the session's buses, and whose end ends the run; or null
+  ViewTap* tap = nullptr;        // tap of a view, which outlives the run; or null
 };
 
-/// Counts the steps and ends the session after the last, when it is told to, and, where the device is armed
-/// again, at a fault.
+/// Counts the steps, and ends the session after the last, on request, or, with automatic re-arming, at a
+/// fault.
 class RunCycle {
  public:
   RunCycle(Session& session, const RunPlan& plan, const std::atomic<bool>& stop)
@@ -41,8 +41,8 @@ class RunCycle {
     statistics_.prepare(session.scene(), session.at_start());
   }
 
-  /// One period; real-time, for a record that comes from Session::at_start(). True: it was a step, and the
-  /// record is of it.
+  /// Runs one period. Real-time if `record` comes from Session::at_start(). Returns true if the period was a
+  /// step, described by `record`.
   bool run(CycleRecord& record) noexcept {
     if (stop_.load(std::memory_order_relaxed)) session_.stop();
     if (insisted_ && insisted_->load(std::memory_order_relaxed)) session_.quick_stop();
@@ -59,7 +59,8 @@ class RunCycle {
     if (--left_ == 0 || (t_fault_ns_ && rearm_ == Rearm::automatic)) session_.stop();
     return true;
   }
-  /// Before each period that has a deadline. Those before the first step do not count: booting waits for nobody.
+  /// Counts missed deadlines; called before each period with a deadline. Periods before the first step do not
+  /// count, because booting has no deadline.
   void watch(const Wake& wake) noexcept {
     if (tap_) tap_->woke(wake.latency);
     if (session_.phase() != RunPhase::running) return deadlines_.reset();
@@ -68,17 +69,18 @@ class RunCycle {
     if (deadlines_.lost()) session_.deadlines_missed();
   }
   bool ended() const noexcept { return session_.phase() == RunPhase::ended || log_ended(); }
-  /// Once this is set the motors are stopped at once, without running down. Not while it runs.
+  /// Sets the flag that stops the motors at once, without running down. Not while the loop runs.
   void quick_stop_on(const std::atomic<bool>& insisted) noexcept { insisted_ = &insisted; }
-  /// What happens is marked there. Not while it runs.
+  /// Sets the watch that records events. Not while the loop runs.
   void tell(EventWatch& events) noexcept { events_ = &events; }
 
   std::uint64_t left() const noexcept { return log_ended() ? 0 : left_; }
   const RunStatistics& statistics() const noexcept { return statistics_; }
-  /// In bus time, since the session was started last: of the first step without a rig fault, and with one.
+  /// Bus time of the first step without a rig fault, and of the first with one, since the latest start of the
+  /// session.
   std::optional<Nanoseconds> t_first_step_ns() const noexcept { return t_first_step_ns_; }
   std::optional<Nanoseconds> t_fault_ns() const noexcept { return t_fault_ns_; }
-  /// Not while it runs.
+  /// Prepares the next start of the session. Not while the loop runs.
   void restart() noexcept {
     t_first_step_ns_ = t_fault_ns_ = std::nullopt;
     if (events_) events_->restart();
@@ -100,26 +102,26 @@ class RunCycle {
   std::optional<Nanoseconds> t_first_step_ns_, t_fault_ns_;
 };
 
-/// A cycle on its way from the real-time thread to the files.
+/// Cycle in the ring from the real-time thread to the files.
 struct CycleEntry {
   CycleRecord record;
   Nanoseconds wake_ns = 0;
 };
 
-/// As all entries of this session: the ring and what fills it are made of it.
+/// Returns an entry with the sizes of this session, from which the ring is made.
 inline CycleEntry entry_of(const Session& session) { return {.record = session.at_start(), .wake_ns = 0}; }
 
-/// What the real-time thread does once a period: no allocation, no lock, no system call but those of real buses.
+/// Period of the real-time thread: no allocation, no lock, no system call except those of real buses.
 class RealtimeCycle {
  public:
   RealtimeCycle(Session& session, const RunPlan& plan, const std::atomic<bool>& stop, Ring<CycleEntry>& out)
       : cycle_(session, plan, stop), out_(out), entry_(entry_of(session)) {}
 
-  /// False after the last cycle.
+  /// Runs a period. Returns false after the last.
   bool operator()(const Wake& wake) noexcept {
     entry_.wake_ns = wake.latency;
     cycle_.watch(wake);
-    if (cycle_.run(entry_.record)) static_cast<void>(out_.try_push(entry_));  // counted there when full
+    if (cycle_.run(entry_.record)) static_cast<void>(out_.try_push(entry_));  // the ring counts losses
     return !cycle_.ended();
   }
 

@@ -18,15 +18,15 @@
 namespace godobject {
 namespace {
 
-// About three seconds at 1 kHz: so long may the disk stall. Of long chains less.
+// About three seconds at 1 kHz, so that the disk may stall for this time; less for long chains.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
 constexpr std::chrono::milliseconds drain_interval{10};
-// A terminal that was stopped, a pipe that nobody reads: so much is kept for it, and so long is it waited for at the end.
+// Text kept for a blocked terminal or pipe, and the time to wait for it at the end.
 constexpr std::size_t console_bytes = 1 << 16;
 constexpr std::chrono::milliseconds console_patience{500};
 
-/// Frames straight to the files, while the thread that runs the wires may write.
+/// Returns an observer that writes frames to the files directly, while the thread of the wires may write.
 BusObserver observer_into(RunFiles& files) {
   return {.on_frame =
               [](void* context, std::size_t bus, const ReceivedFrame& frame) {
@@ -63,27 +63,27 @@ void prepare(Session& session, RunFiles& files) {
   files.add(session.at_start());
 }
 
-/// Says once that a signal ends the run, and once that it is a quick stop.
+/// Prints once that a signal ends the run, and once that a second one stops the motors.
 class StopNotices {
  public:
   StopNotices(const StopSignals& signals, RunEvents& events) : signals_(signals), events_(events) {}
 
   void look(double t_s) {
-    if (signals_.requested() && !std::exchange(told_, true))
+    if (signals_.requested() && !std::exchange(announced_, true))
       events_.tell(RunEventKind::stop, t_s,
-                   std::string(signals_.name()) + ": the torque runs down, then the drives are off",
-                   "once more: quick stop");
+                   std::string(signals_.name()) + ": the torque runs down, then the drives are turned off",
+                   "send it again for a quick stop");
     if (signals_.insisted() && !std::exchange(insisted_, true))
-      events_.tell(RunEventKind::quick_stop, t_s, "a second signal: QUICK STOP, torque is gone at once", "");
+      events_.tell(RunEventKind::quick_stop, t_s, "second signal: QUICK STOP, the torque is cut at once", "");
   }
 
  private:
   const StopSignals& signals_;
   RunEvents& events_;
-  bool told_ = false, insisted_ = false;
+  bool announced_ = false, insisted_ = false;
 };
 
-/// The rings' other end: to the files, the status line and the console.
+/// Moves cycles and frames from the rings to the files, the status line and the console.
 class Drain {
  public:
   Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files, RunEvents& events,
@@ -117,12 +117,12 @@ class Drain {
   RunEvents& events_;
   StopNotices notices_;
   StatusLine status_;
-  double t_s_ = 0;  // of the latest cycle
+  double t_s_ = 0;  // time of the latest cycle
   CycleEntry entry_;
   BusFrame frame_;
 };
 
-/// The real-time thread, once for every time the session is started, and this thread beside it.
+/// Runs the real-time thread, once per start of the session, with this thread draining its rings.
 class RealtimeRun {
  public:
   /// real: null for simulated buses.
@@ -144,7 +144,7 @@ class RealtimeRun {
     cycle_.cycle().tell(watch_);
   }
 
-  /// From start to end of the session. False where no thread can be started.
+  /// Runs the session from start to end. Returns false if no thread can be started.
   bool run() {
     if (files_.wants_frames()) session_.set_bus_observer(observer_into(frames_));
     session_.start(usual_boot_limit_s);
@@ -164,7 +164,7 @@ class RealtimeRun {
         drain_.run();
         std::this_thread::sleep_for(drain_interval);
       }
-    } catch (...) {  // the loop is not left alone: motors off, then whoever called is told
+    } catch (...) {  // stop the motors and the loop before the exception continues
       signals_.request();
       thread.join();
       throw;
@@ -190,13 +190,13 @@ class RealtimeRun {
     try {
       thread_setup.set_value(set_up_rt_thread());
       loop_.run(cycle_);
-    } catch (...) {  // before the loop: it throws nothing
+    } catch (...) {  // thrown before the loop, which throws nothing
       thread_setup.set_exception(std::current_exception());
     }
     ended_.store(true, std::memory_order_release);
   }
 
-  /// Once: it is the same for each thread.
+  /// Prints the set-up once, because it is equal for each thread.
   void show(const std::vector<RtStep>& of_thread) {
     if (!setup_.empty()) return;
     setup_ = process_.steps();

@@ -1,8 +1,5 @@
-// The two ways to run a session: as fast as the machine allows, or one cycle a period on a real-time thread.
-//
-// The room: options.h is what was asked for, with buses.h, trackers.h and spacemouse.h; start_check.h comes before anything
-// moves; cycle.h is what the loop does once a period; recovery.h what goes on while no loop runs, last_frames.h how
-// it ends; view.h shows it. What a run says of itself is in ../report.
+// The two ways to run a session: as fast as the machine allows, or one cycle per period on a real-time
+// thread.
 #pragma once
 
 #include <optional>
@@ -17,23 +14,24 @@
 namespace godobject {
 
 struct RunResult {
-  bool ready = false;                   // the device came up; otherwise no cycle was run
-  std::vector<std::string> not_set_up;  // why nodes could not be set up: no cycle was run either
+  bool ready = false;                   // true if the device came up; otherwise no cycle was run
+  std::vector<std::string> not_set_up;  // reasons why nodes could not be set up; if any, no cycle was run
   std::string_view stopped_by;          // "SIGINT", ...; empty: all cycles were run
   RunStatistics statistics;
   CyclicStatistics timing;    // wake-up, late, skipped: --realtime only
   std::vector<RtStep> setup;  // --realtime only
   std::vector<Recovery> recoveries;
-  std::vector<RunEvent> events;  // in the order in which they were told
+  std::vector<RunEvent> events;  // in the order in which they were printed
   std::uint64_t lost_events = 0, lost_console_lines = 0;
-  std::uint64_t lost_cycles = 0, lost_frames = 0;  // of the files: their writer was too slow
+  std::uint64_t lost_cycles = 0, lost_frames = 0;  // lost for the files, whose writer was too slow
 };
 
-/// On the simulated clock, in this thread. Equal sessions give equal results, bit for bit.
+/// Runs on the simulated clock, in this thread. Equal sessions give bit-identical results.
 RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files);
 
-/// From the first boot cycle to the last of shut-down on a thread of its own. real: the session's buses where
-/// they are real, open; else null. Nothing where no thread can be started.
+/// Runs from the first boot cycle to the last of shut-down on a thread of its own. Returns nothing if no
+/// thread can be started.
+/// real: the session's open buses if they are real; else null.
 std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, RunFiles& files,
                                       const RigOnBuses* real);
 

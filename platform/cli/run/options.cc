@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_interface_name = 15;  // of candump's format
+constexpr std::size_t max_interface_name = 15;  // limit of candump's format
 constexpr double min_stale_steps = 3;
 
 struct NamedPath {
@@ -43,24 +43,26 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// Empty, or why `path` could not be written.
+/// Returns why `path` cannot be written; empty if it can.
 std::string why_not_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return "is a directory";
   fs::path folder = folder_of(path);
-  // Folders are made, see make_folders(), but none beside those of the system: that is a misspelling.
+  // make_folders() creates missing folders, but none in the root folder, where a missing one is a
+  // misspelling.
   fs::path missing;
   for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
     missing = folder;
   if (!missing.empty() && folder == folder.root_path())
-    return "cannot be written: there is no '" + missing.string() + "'";
-  if (!fs::is_directory(folder, ignored)) return "cannot be written: '" + folder.string() + "' is no folder";
+    return "cannot be written: create the missing folder '" + missing.string() + "'";
+  if (!fs::is_directory(folder, ignored))
+    return "cannot be written: '" + folder.string() + "' is not a folder";
   const bool exists = fs::exists(path, ignored);
   if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
   return "cannot be written: " + std::generic_category().message(errno);
 }
 
-/// Every output can be written, and none of them over an input or another output.
+/// Checks that every output can be written, and that none overwrites an input or another output.
 void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
   std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
   for (const NamedPath& out :
@@ -77,21 +79,20 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   }
 }
 
-/// What goes with the pages of a view.
+/// Checks the options that depend on --view.
 void check_view(const RunOptions& options, std::vector<std::string>& errors) {
   if (!options.view) {
-    if (options.view_input) errors.push_back("--view-input: its pages are those of --view: give that, too");
+    if (options.view_input) errors.push_back("--view-input: requires --view: add it");
     return;
   }
   if (!options.view_input) return;
-  if (options.fast) errors.push_back("--view-input: a hand takes part in wall time: leave --fast out");
+  if (options.fast) errors.push_back("--view-input: requires wall time: remove --fast");
   if (!options.motion.empty())
-    errors.push_back("--view-input: the pages' pointer moves the bodies, not --motion: leave either out");
+    errors.push_back("--view-input: the page's pointer replaces --motion: remove either");
   if (!options.trackers.empty() ||
       std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
     errors.push_back(
-        "--view-input: the pages' pointer is the device, and no motor shows its force: leave --bus and "
-        "--tracker out");
+        "--view-input: the page's pointer replaces the device and its motors: remove --bus and --tracker");
 }
 
 bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
@@ -100,15 +101,17 @@ void check_record(const RunOptions& options, BusChoice choice, const SceneConfig
                   std::vector<std::string>& errors) {
   if (options.files.record.empty()) return;
   if (options.view_input) {
-    errors.push_back("--record: with --view-input there is no bus to record: leave either out");
+    errors.push_back("--record: with --view-input there is no bus to record: remove either");
   } else if (!has_rig(scene)) {
-    errors.push_back("--record: scene '" + scene.name + "' describes no buses to record");
+    errors.push_back("--record: scene '" + scene.name +
+                     "' describes no buses to record: remove --record, or add [[bus]] tables");
   } else if (choice == BusChoice::direct) {
-    errors.push_back("--record: with --bus direct there is no bus to record");
+    errors.push_back("--record: with --bus direct there is no bus to record: remove either");
   } else {
     for (const BusParams& bus : scene.device->rig->buses)
       if (bus.name.size() > max_interface_name)
-        errors.push_back("--record: bus name '" + bus.name + "' is too long for a candump log, at most " +
+        errors.push_back("--record: bus name '" + bus.name +
+                         "' is too long for a candump log: shorten it to at most " +
                          std::to_string(max_interface_name) + " characters");
   }
 }
@@ -121,7 +124,7 @@ void check_contacts(const RunOptions& options, const SceneConfig& scene, std::ve
 
 void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
   if (!options.files.nets.empty() && scene.nets.empty())
-    errors.push_back("--nets: scene '" + scene.name + "' has no [[net]]");
+    errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
 }
 
 void apply_overrides(const RunOptions& options, SceneConfig& scene) {
@@ -131,7 +134,7 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
   rig.cycle_s = scene.step;
-  // Samples come once a step: what was late at the scene's own step may be in time at a longer one.
+  // Samples come once per step, so a longer step needs a longer stale time.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
 }
@@ -147,31 +150,30 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
 void check_real_buses(const RunOptions& options, PreparedRun& run) {
   if (run.buses.choice != BusChoice::real) {
     if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
-      run.errors.push_back("--rearm: with --bus direct there is no device to arm");
+      run.errors.push_back("--rearm: with --bus direct there is no device to arm: remove --rearm");
     return;
   }
   if (run.buses.real.are_logs()) {
     if (!options.trackers.empty())
       run.errors.push_back(
-          "--tracker: the time of a log is not that of a real tracker: leave it out with replay:");
+          "--tracker: a log runs in its own time, a real tracker in wall time: remove --tracker, or use a "
+          "bus other than replay:");
     return;
   }
   if (options.fast)
     run.errors.push_back(
-        "--fast: it runs on a simulated clock, and the nodes on a real bus, as real trackers, keep time of "
-        "their "
-        "own: leave it out");
+        "--fast: real buses and trackers run in wall time, not on a simulated clock: remove --fast");
   if (!options.motion.empty())
     run.notes.push_back(
-        "--motion: on real buses and trackers the device says where its handles are; the file's switches "
-        "count");
+        "--motion: real buses and trackers measure the handles; this run reads only the switches of the "
+        "file");
 }
 
 std::string folder_of_scene(const RunOptions& options) {
   return fs::path(options.scene).parent_path().string();
 }
 
-/// The trackers on their lines, each with a thread that has begun; for a check with a simulated far end instead.
+/// Opens the trackers, each with a running thread; for a check simulated ones instead.
 std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& options, const SceneConfig& scene,
                                                         PreparedRun& run) {
   std::vector<std::unique_ptr<TrackerLink>> links;
@@ -193,7 +195,7 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
   return links;
 }
 
-/// The session on logs, at the times that they have.
+/// Makes the session on logs, in the time of the logs.
 Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, PreparedRun& run) {
   auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
   std::vector<LogSource> sources;
@@ -207,7 +209,7 @@ Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, Prep
   return Session::make(scene, std::move(motion), std::move(link));
 }
 
-/// The session on the planned buses and trackers; the threads of those have then begun.
+/// Makes the session on the planned buses and trackers, whose threads are running then.
 Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
                            PreparedRun& run) {
   if (run.buses.choice == BusChoice::direct ||
@@ -216,9 +218,10 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
   if (run.buses.choice == BusChoice::sim) {
     if (options.simulated.make_session != nullptr)
       return options.simulated.make_session(scene, std::move(motion), run.profiles);
-    return {.session = nullptr,
-            .errors = {"this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus an address, or "
-                       "--bus direct"}};
+    return {
+        .session = nullptr,
+        .errors = {
+            "this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus ADDRESS or --bus direct"}};
   }
   if (run.buses.real.are_logs()) return make_session_on_logs(scene, std::move(motion), run);
   DeviceParts device{.buses = nullptr,
@@ -234,7 +237,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
   return Session::make(scene, std::move(motion), std::move(device));
 }
 
-/// What to name in a complaint about the scene as it would run: --step where it is only wrong with that.
+/// Returns the prefix of an error about the scene, with --step if only this step is invalid.
 std::string blamed(const RunOptions& options, bool step_is_to_blame) {
   if (!step_is_to_blame) return options.scene + ": ";
   return options.scene + ": with --step " + shortest(*options.step) + ": ";
@@ -254,7 +257,7 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
   }
 }
 
-/// At the start of the motion, of a rig that is valid.
+/// Computes passivity at the start of the motion, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
   const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
@@ -273,7 +276,7 @@ std::string make_folders(const RunOptions& options) {
     std::error_code error;
     if (path.empty() || fs::exists(folder_of(path), error)) continue;
     if (!fs::create_directories(folder_of(path), error) && error)
-      return "'" + folder_of(path).string() + "' cannot be made: " + error.message();
+      return "'" + folder_of(path).string() + "' cannot be created: " + error.message();
   }
   return "";
 }
@@ -305,14 +308,14 @@ PreparedRun prepare(const RunOptions& options) {
   if (!motion || !run.errors.empty()) return run;
 
   constexpr double until_stopped = 1e6;  // s
-  const bool led_by_hand = options.view_input || options.spacemouse;
-  const double of_scene = led_by_hand ? until_stopped : motion->end().value_or(scene.duration);
+  const bool moved_by_hand = options.view_input || options.spacemouse;
+  const double of_scene = moved_by_hand ? until_stopped : motion->end().value_or(scene.duration);
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
               .quiet = options.quiet};
   check_passivity(options, scene, *motion, run);
-  const bool follows_motion = !led_by_hand && run.buses.choice != BusChoice::real;
+  const bool follows_motion = !moved_by_hand && run.buses.choice != BusChoice::real;
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);

@@ -1,5 +1,5 @@
-// What `godobject run` was asked for, and what becomes of it: a session that is ready to boot, or every
-// complaint with its place. Nothing is written here.
+// Options of `godobject run` and the session prepared from them, ready to boot, or all errors with their
+// places. Writes no files.
 #pragma once
 
 #include <memory>
@@ -24,48 +24,48 @@ namespace godobject {
 
 struct RunOptions {
   std::string scene;                  // path
-  bool realtime = false;              // on real buses always
-  bool fast = false;                  // asked for, rather than by default
+  bool realtime = false;              // always true on real buses
+  bool fast = false;                  // true if given explicitly
   std::vector<std::string> buses;     // see plan_buses()
   std::vector<std::string> trackers;  // see plan_trackers()
   Rearm rearm = Rearm::never;
-  bool strict = false;             // an axis without passivity margin is an error
+  bool strict = false;             // true: an axis without passivity margin is an error
   std::optional<double> duration;  // s
   std::optional<double> step;      // s
-  std::string integrator;          // empty: the scene's; the same goes for the paths below
+  std::string integrator;          // empty: the scene's; as for the paths below
   std::string motion;
   RunFileNames files;
   std::string report;
-  std::optional<std::string> spacemouse;  // socket of its daemon; empty: the usual one
+  std::optional<std::string> spacemouse;  // socket of its daemon; empty: the default one
   std::optional<std::uint16_t> view;      // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
-  bool view_input = false;       // the page's pointer is the device
-  bool quiet = false;            // nothing but warnings, faults and the exit code
-  bool only_check = false;       // as `check`: nothing is opened, started or written
-  SimulatedDevices simulated{};  // those of the program
+  bool view_input = false;       // true: the page's pointer is the device
+  bool quiet = false;            // true: print only warnings and faults
+  bool only_check = false;       // true for `check`: nothing is opened, started or written
+  SimulatedDevices simulated{};  // simulated devices of the program
 };
 
 struct PreparedRun {
-  std::unique_ptr<PointerDevice> pointer;               // --view-input; null without
-  std::unique_ptr<JointPointer> joint_pointer;          // instead of `pointer` where pages move joints
-  std::unique_ptr<SpaceMouse> spacemouse;               // --spacemouse; null without
+  std::unique_ptr<PointerDevice> pointer;               // with --view-input; else null
+  std::unique_ptr<JointPointer> joint_pointer;          // instead of `pointer`, if pages move joints
+  std::unique_ptr<SpaceMouse> spacemouse;               // with --spacemouse; else null
   std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/spacemouse.h
-  std::unique_ptr<Session> session;                     // null where there are errors
+  std::unique_ptr<Session> session;                     // null if there are errors
   RunPlan plan;
   BusPlan buses;
-  LinuxLink* link = nullptr;          // the session's, where its buses are real; they are closed
-  const LogLink* log = nullptr;       // the session's, where its buses are logs
-  RigProfiles profiles;               // of the scene's nodes
-  std::vector<BusLoad> bus_loads;     // what the scene's buses carry at worst; empty with --bus direct
+  LinuxLink* link = nullptr;          // the session's link if its buses are real; they are closed
+  const LogLink* log = nullptr;       // the session's log if its buses are logs
+  RigProfiles profiles;               // profiles of the scene's nodes
+  std::vector<BusLoad> bus_loads;     // worst case; empty with --bus direct
   Passivity passivity;                // of the driven axes; empty with --bus direct
-  std::vector<std::string> errors;    // "file:line:column: what", "file: what" or "--option: what"
-  std::vector<std::string> warnings;  // the same forms
+  std::vector<std::string> errors;    // "file:line:column: text", "file: text" or "--option: text"
+  std::vector<std::string> warnings;  // of the same forms
   std::vector<std::string> notes;
 };
 
 PreparedRun prepare(const RunOptions& options);
 
-/// Makes the folders of the outputs that are not there yet. Empty, or why one cannot be made.
+/// Creates missing folders of the outputs. Returns why one cannot be created; empty on success.
 std::string make_folders(const RunOptions& options);
 
 }  // namespace godobject

@@ -9,7 +9,7 @@ namespace godobject {
 namespace {
 
 constexpr double first_pause_s = 0.1, longest_pause_s = 2;
-constexpr int max_simulated_boots = 20;  // simulated time would pass for ever
+constexpr int max_simulated_boots = 20;  // bound, because simulated time passes without end
 
 double pause_after(int tries) {
   return std::min(first_pause_s * std::exp2(std::min(tries, 10)), longest_pause_s);
@@ -21,14 +21,14 @@ bool Recoveries::again() {
   note();
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
-  // armed again it would do so again
+  // A device armed again would have the same fault again.
   if (any(session_.rig()->faults() & (RigFault::force_oscillates | RigFault::energy_gained))) return false;
-  // so would a drive that failed as soon as it was given power: no step was run
+  // A drive that failed when enabled, before any step, would fail again.
   if (any(session_.rig()->faults() & RigFault::drive_error) && !cycle_.t_fault_ns()) return false;
   Recovery& recovery = list_.back();
   if (recovery.boots == 0)
-    tell(RunEventKind::lost, "the device is lost: torque is gone, its nodes are pre-operational",
-         "--rearm auto: it is ARMED again as soon as it is back");
+    tell(RunEventKind::lost, "the device is lost: the torque is zero, its nodes are pre-operational",
+         "--rearm auto ARMS it again as soon as it is back");
   for (bool up = false; !up; ++recovery.boots) {
     if (!real_ && recovery.boots == max_simulated_boots) return false;
     if (!real_) {
@@ -76,17 +76,17 @@ bool Recoveries::reopen() {
     bool all_back = true;
     for (std::size_t i = 0; i < link.num_buses(); ++i) {
       LinuxBus& bus = link.bus(i);
-      // A pseudo-terminal opened anew would be another one: its other end comes back to this one.
+      // A pseudo-terminal opened again would be another one, while its other end returns to this one.
       if (is_cut_off(bus.state()) && !real_->has_other_end(i)) {
         bus.close();
-        static_cast<void>(bus.open());  // trouble() says why not
+        static_cast<void>(bus.open());  // trouble() has the reason
       }
       all_back = all_back && !is_cut_off(bus.state());
     }
     if (all_back) return true;
     if (tries == 0)
       for (const std::string& trouble : bus_troubles(link, real_->where, real_->rig))
-        tell(RunEventKind::trying, trouble, "tried again until it is back");
+        tell(RunEventKind::trying, trouble, "opened again until it is back");
     if (!pause(pause_after(tries), stop_)) return false;
   }
   return false;

@@ -1,4 +1,4 @@
-// What goes on while no loop runs: with --rearm auto, after a fault, the buses are opened and the nodes set up again.
+// Recovery between two loops: with --rearm auto, after a fault, buses are reopened and nodes set up again.
 #pragma once
 
 #include <atomic>
@@ -10,18 +10,19 @@
 
 namespace godobject {
 
-/// A fault of the rig, and how the run went on.
+/// A fault of the rig and its recovery.
 struct Recovery {
-  double seen_s = 0;                        // bus time since the motion began
-  std::string named;                        // the rig's faults, one line each
-  std::vector<std::string> troubles;        // of the buses at that time
-  int boots = 0;                            // tries to bring the nodes up again
-  std::optional<double> recovered_after_s;  // from seen to the first step with the device armed; none: never
+  double seen_s = 0;                  // bus time since the start of the motion
+  std::string named;                  // the rig's faults, one line each
+  std::vector<std::string> troubles;  // troubles of the buses at that time
+  int boots = 0;                      // number of attempts to boot the nodes
+  // from seen_s to the first step with the device armed; none: never
+  std::optional<double> recovered_after_s;
 };
 
-/// Goes on after a session has ended. With Rearm::automatic, at a fault: what is cut off is closed and opened
-/// until every bus is back, with a pause that doubles from try to try; the nodes are set up afresh; the session
-/// is restarted. A device that has never come up is not waited for.
+/// Restarts a session after a fault, with Rearm::automatic. Reopens lost buses until all are back, with
+/// pauses that double from attempt to attempt. Then sets up the nodes and restarts the session. A device that
+/// never came up is not awaited.
 class Recoveries {
  public:
   /// real: null for simulated buses, whose time stands still meanwhile.
@@ -29,7 +30,7 @@ class Recoveries {
              const std::atomic<bool>& stop, RunEvents& events)
       : session_(session), cycle_(cycle), plan_(plan), real_(real), stop_(stop), events_(events) {}
 
-  /// The session has ended. True: it has been restarted and is to be run again.
+  /// Called after the end of the session. Returns true if it was restarted and must be run again.
   bool again();
   const std::vector<Recovery>& list() const noexcept { return list_; }
 

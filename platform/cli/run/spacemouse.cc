@@ -11,17 +11,16 @@ void check_spacemouse(const RunOptions& options, const SceneConfig& scene, Prepa
   if (!options.spacemouse) {
     if (has_one && !options.view_input)
       run.notes.push_back("scene '" + scene.name +
-                          "' has a SpaceMouse: with --spacemouse it leads; this run has the scene's motion");
+                          "' has a SpaceMouse, which --spacemouse uses: this run uses the scene's motion");
     return;
   }
   if (!has_one)
     run.errors.push_back("--spacemouse: scene '" + scene.name +
-                         "' has none: add [device.spacemouse] (docs/scenes.md)");
-  if (options.fast) run.errors.push_back("--spacemouse: a hand takes part in wall time: leave --fast out");
-  if (!options.motion.empty())
-    run.errors.push_back("--spacemouse: it moves the tool, not --motion: leave either out");
+                         "' has no SpaceMouse: add [device.spacemouse] (docs/scenes.md)");
+  if (options.fast) run.errors.push_back("--spacemouse: requires wall time: remove --fast");
+  if (!options.motion.empty()) run.errors.push_back("--spacemouse: replaces --motion: remove either");
   if (options.view_input)
-    run.errors.push_back("--spacemouse: the pages' pointer cannot lead, too: leave --view-input out");
+    run.errors.push_back("--spacemouse: excludes --view-input, since both move the tool: remove either");
 }
 
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run) {

@@ -1,4 +1,4 @@
-// --spacemouse: whether it goes with the rest, and the connection to its daemon.
+// --spacemouse: checks of the option, and the connection to the daemon.
 #pragma once
 
 #include <string>
@@ -7,10 +7,12 @@
 
 namespace godobject {
 
-/// Complaints and notes go into the run. The SpaceMouse is the only hand, and there is one in the scene.
+/// Checks that the scene has a SpaceMouse and that no other option moves the tool. Adds errors and notes to
+/// the run.
 void check_spacemouse(const RunOptions& options, const SceneConfig& scene, PreparedRun& run);
 
-/// Where the run has a SpaceMouse: to its daemon, with a thread from here on. Empty, or why not.
+/// Connects the SpaceMouse of the run, if any, to its daemon and starts a thread. Returns why this failed;
+/// empty on success.
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run);
 
 }  // namespace godobject

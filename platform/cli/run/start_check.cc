@@ -11,19 +11,19 @@ namespace {
 
 constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
 
-/// By more than rounding.
+/// True if the offset exceeds the bound by more than rounding.
 bool exceeds(const PoseError& offset, const PoseError& bound) {
   return offset.m > 1.001 * bound.m || offset.rad > 1.001 * bound.rad;
 }
 
 std::string text_of(const std::string& body, const PoseError& offset) {
   std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "body '%s' begins %.3f m and %.3f rad from its target",
+  std::snprintf(text.data(), text.size(), "body '%s' starts %.3f m and %.3f rad from its target",
                 body.c_str(), offset.m, offset.rad);
   return text.data();
 }
 
-/// Degrees taken for radians: hardly a hinge begins more than a turn away from its zero.
+/// Warns of degrees in place of radians: hardly a hinge starts more than a turn from its zero.
 void check_joints(const Session& session, const std::string& file, std::vector<std::string>& warnings) {
   const std::optional<JointTarget> start = session.joints_at_start();
   if (!start) return;
@@ -33,7 +33,7 @@ void check_joints(const Session& session, const std::string& file, std::vector<s
     if (joints[i].kind != DeviceJointKind::hinge || std::abs(q) <= 2 * pi) continue;
     std::array<char, 200> text{};
     std::snprintf(text.data(), text.size(),
-                  ": joint '%s' begins at %.4g rad, more than a turn: is the motion in radians?",
+                  ": joint '%s' starts at %.4g rad, more than a turn: give angles in radians",
                   joints[i].name.c_str(), q);
     warnings.push_back(file + text.data());
   }
@@ -51,9 +51,9 @@ void check_start(const Session& session, const std::string& file, std::vector<st
     const std::string what = file + ": " + text_of(scene.bodies[body].name, *offset);
     if (exceeds(*offset, largest_offset))
       errors.push_back(what +
-                       ", at most 1 m and 3 rad are admissible: are all lengths in metres and all angles in "
-                       "radians? Else begin the motion where the body is");
-    else warnings.push_back(what + ", and is pulled there: begin the motion where the body is");
+                       "; at most 1 m and 3 rad are admissible: give lengths in metres and angles in "
+                       "radians, or start the motion at the body");
+    else warnings.push_back(what + ", and the coupling pulls it there: start the motion at the body");
   }
 }
 

@@ -1,4 +1,4 @@
-// How far the bodies are from their targets before anything moves, and how fast their targets are to move.
+// Distance of the bodies from their targets at the start, and speed of their targets.
 #pragma once
 
 #include <string>
@@ -8,13 +8,15 @@
 
 namespace godobject {
 
-/// A body that begins far from the target that pulls it is flung there: a warning above 0.1 m or 0.5 rad, an error
-/// above 1 m or 3 rad, where millimetres or degrees are the usual reason. Nothing on real buses, whose device
-/// says only later where it is. `file`: what messages call the scene.
+/// Checks the distance of each body from its target at the start, since the coupling would fling it there.
+/// Warns above 0.1 m or 0.5 rad; fails above 1 m or 3 rad, of which millimetres or degrees are the usual
+/// cause. Does nothing on real buses, whose device reports its pose later.
+/// file: name of the scene in messages.
 void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
                  std::vector<std::string>& errors);
 
-/// Warns of a motion in which a target is faster than a hand. duration: of the run, s.
+/// Warns of a motion whose target is faster than a hand.
+/// duration: duration of the run, s.
 void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,
                  std::vector<std::string>& warnings);
 

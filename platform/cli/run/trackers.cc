@@ -21,8 +21,9 @@ void plan_port(const std::string& text, std::vector<TrackerParams>& trackers, st
     return;
   }
   const auto index = static_cast<std::size_t>(tracker - trackers.begin());
-  if (has_port[index]) errors.push_back("--tracker: tracker '" + tracker->name + "' is given twice");
-  if (given.address.empty()) errors.push_back("--tracker " + text + ": the port is missing");
+  if (has_port[index])
+    errors.push_back("--tracker: tracker '" + tracker->name + "' is given twice: remove one");
+  if (given.address.empty()) errors.push_back("--tracker " + text + ": the port is missing: give NAME=PORT");
   has_port[index] = true;
   tracker->port = given.address;
 }
@@ -33,14 +34,14 @@ void plan_trackers(std::span<const std::string> given, bool buses_are_given, Sce
                    BusPlan& plan, std::vector<std::string>& errors) {
   if (given.empty()) return;
   if (!scene.device || scene.device->trackers.empty()) {
-    errors.push_back("--tracker: scene '" + scene.name + "' has no trackers");
+    errors.push_back("--tracker: scene '" + scene.name +
+                     "' has no trackers: remove --tracker, or add [[device.tracker]] tables");
     return;
   }
   if (plan.choice != BusChoice::real && (scene.device->rig || buses_are_given)) {
     errors.push_back(
-        "--tracker: real trackers keep real time, and the buses of this run do not: give --bus the addresses "
-        "of "
-        "real ones, or leave --tracker out");
+        "--tracker: real trackers run in wall time, and the buses of this run do not: give --bus the "
+        "addresses of real buses, or remove --tracker");
     return;
   }
   plan.choice = BusChoice::real;
@@ -59,7 +60,7 @@ void plan_trackers(std::span<const std::string> given, bool buses_are_given, Sce
 ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
                                       std::vector<std::string>& errors) {
   constexpr std::string_view magic("NDI\0", 4);
-  constexpr std::size_t max_definition_bytes = 1 << 20;  // they have some hundred bytes
+  constexpr std::size_t max_definition_bytes = 1 << 20;  // real files have some hundred bytes
   ToolDefinitions definitions(params.tools.size());
   for (std::size_t i = 0; i < params.tools.size(); ++i) {
     const std::string& tool = params.tools[i].tool;
@@ -72,7 +73,8 @@ ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::fi
       errors.push_back(where + (path.path.empty() ? path.why_not : file.why_not) +
                        "; give the two digits of a port handle (\"0A\"), or a tool definition file");
     } else if (!file.text->starts_with(magic)) {
-      errors.push_back(where + "is not a tool definition file (.rom): those begin with NDI");
+      errors.push_back(where +
+                       "is not a tool definition file (.rom), which begins with NDI: give another file");
     } else {
       definitions[i].assign(file.text->begin(), file.text->end());
     }

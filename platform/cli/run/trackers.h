@@ -1,4 +1,4 @@
-// --tracker: which trackers of a run are real, and where.
+// --tracker: selects the real trackers of a run and their ports.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +12,19 @@
 
 namespace godobject {
 
-/// What --tracker asks for: NAME=PORT for each tracker of the scene, a port alone where it has one, or "scene" for the
-/// ports that the scene has. Puts the ports into the scene; makes the plan of a device without buses `real`. None
-/// given: trackers are simulated. The trackers' clock is the buses': where those are simulated, real ones are an error.
+/// Applies the values of --tracker. Each is NAME=PORT, or a port alone for a single tracker, or "scene" for
+/// the scene's ports. Writes the ports into the scene, and plans a device without buses as `real`. Default:
+/// trackers are simulated. Trackers share the clock of the buses, so real trackers with simulated buses are
+/// an error.
 void plan_trackers(std::span<const std::string> given, bool buses_are_given, SceneConfig& scene,
                    BusPlan& plan, std::vector<std::string>& errors);
 
-/// The bytes of the definition files of a tracker's tools, relative to `folder` (the scene's). Errors name the tool and
-/// the file.
+/// Reads the definition files of a tracker's tools, relative to `folder`, that of the scene. Errors name the
+/// tool and the file.
 ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
                                       std::vector<std::string>& errors);
 
-/// A thread for each tracker; none when there are errors.
+/// Starts a thread for each tracker; none if there are errors.
 std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<TrackerParams>& trackers,
                                                            const std::filesystem::path& folder,
                                                            std::vector<std::string>& errors);

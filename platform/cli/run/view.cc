@@ -29,7 +29,7 @@ void add_words(ViewAbout& about) {
 std::string view_warning(const std::string& address) {
   if (is_loopback(address)) return "";
   return "served on " + address +
-         ", in clear text: whoever reaches this address and sees the token can look on";
+         ", unencrypted: everybody who reaches this address and sees the token can watch";
 }
 
 std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
@@ -59,8 +59,8 @@ std::vector<std::string> view_lines(const std::string& url, const std::string& a
     lines.push_back("view: WARNING: " + warning);
   if (!has_page())
     lines.push_back(
-        "view: this program was built without its page, which needs npm and esbuild: ./dev setup view, then "
-        "build again");
+        "view: this program was built without its page, which requires npm and esbuild: run ./dev setup "
+        "view, then build again");
   return lines;
 }
 

@@ -1,4 +1,4 @@
-// The view of a run: its server, what it says on the console, and what the loop fills for it.
+// View of a run: its server, its console lines, and the frames from the loop.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,16 @@
 
 namespace godobject {
 
-/// The words that a view shows for the bits of a frame.
+/// Adds the texts for the bits of a frame.
 void add_words(ViewAbout& about);
-/// Where a page is, and what of it to be careful with.
+/// Returns lines with the page's address and its warning.
 std::vector<std::string> view_lines(const std::string& url, const std::string& address);
-/// What a page warns of that is served on this address; empty: nothing.
+/// Returns the warning of a page served on this address; empty: none.
 std::string view_warning(const std::string& address);
 
 class RunView {
  public:
-  /// Serves from here on, and sets the plan's tap. Empty, or why not.
+  /// Starts the server and sets the plan's tap. Returns why this failed; empty on success.
   std::string start(const RunOptions& options, PreparedRun& prepared);
   std::vector<std::string> announcement() const { return view_lines(server_->url(), address_); }
 

@@ -1,4 +1,4 @@
-// Carries frames between a real bus and a port on a simulated wire, both ways.
+// Carries frames both ways between a real bus and a port on a simulated wire.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,25 @@
 namespace godobject {
 
 struct BridgeCounters {
-  std::uint64_t from_bus = 0;  // frames that came from the real bus
-  std::uint64_t to_bus = 0;    // frames that it took
-  std::uint64_t refused = 0;   // of those from the bus: the port's queue was full, or it was bus-off
-  std::uint64_t dropped = 0;   // of those for the bus: it was down, or took none for `patience_ns`
+  std::uint64_t from_bus = 0;  // frames received from the real bus
+  std::uint64_t to_bus = 0;    // frames sent to it
+  std::uint64_t refused = 0;   // frames from the bus refused by the port: queue full or bus-off
+  std::uint64_t dropped = 0;   // frames for the bus dropped: it was down, or full for `patience_ns`
 };
 
 class BusBridge {
  public:
-  /// So long a frame waits for a bus whose transmit queue is full.
+  /// Longest wait of a frame for a bus with a full transmit queue.
   static constexpr Nanoseconds patience_ns = 20'000'000;
 
-  /// Both open, both outliving the bridge.
+  /// bus, port: open; they outlive the bridge.
   BusBridge(LinuxBus& bus, SimCanPort& port) noexcept : bus_(bus), port_(port) {}
 
-  /// The next frame of the real bus; it is still to be passed on by deliver().
+  /// Receives the next frame of the real bus, which deliver() passes on.
   [[nodiscard]] bool try_take(CanFrame& frame) noexcept;
-  /// Onto the simulated wire.
+  /// Sends the frame on the simulated wire.
   void deliver(const CanFrame& frame) noexcept;
-  /// What the port has received goes out on the real bus.
+  /// Sends the frames received by the port on the real bus.
   void forward(Nanoseconds now) noexcept;
 
   const BridgeCounters& counters() const noexcept { return counters_; }
@@ -37,8 +37,8 @@ class BusBridge {
  private:
   LinuxBus& bus_;
   SimCanPort& port_;
-  std::optional<CanFrame> waiting_;  // the bus was full
-  Nanoseconds t_waiting_ns_ = 0;     // since when
+  std::optional<CanFrame> waiting_;  // waits while the bus is full
+  Nanoseconds t_waiting_ns_ = 0;     // start of the wait
   BridgeCounters counters_;
 };
 

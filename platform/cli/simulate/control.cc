@@ -24,7 +24,7 @@ json play(std::string_view words, Simulation& simulation) {
 
 std::string answer(std::string_view command, Simulation& simulation, bool& quit) {
   if (command.size() >= LineInput::max_line)
-    return error("longer than " + std::to_string(LineInput::max_line - 1) + " bytes: nothing was done")
+    return error("longer than " + std::to_string(LineInput::max_line - 1) + " bytes: the line was ignored")
         .dump();
   const std::size_t space = command.find(' ');
   const std::string_view verb = command.substr(0, space);
@@ -43,7 +43,7 @@ std::string answer(std::string_view command, Simulation& simulation, bool& quit)
                   "clear, status or "
                   "quit");
   }
-  return reply.dump(-1, ' ', false, json::error_handler_t::replace);  // of bytes that are no UTF-8 too
+  return reply.dump(-1, ' ', false, json::error_handler_t::replace);  // replaces bytes that are not UTF-8
 }
 
 LineInput::LineInput(int descriptor) noexcept
@@ -64,7 +64,7 @@ bool LineInput::try_line(std::string& line) {
   }
   const std::size_t found = text_.find('\n'), end = std::min(found, text_.size());
   if (text_.empty()) return false;
-  if (skips_) {  // the rest of a line whose beginning was answered
+  if (skips_) {  // skip the rest of a line whose beginning was answered
     text_.erase(0, end + 1);
     skips_ = found == std::string::npos && !ended_;
     return try_line(line);

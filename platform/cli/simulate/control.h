@@ -1,4 +1,4 @@
-// Commands to a running simulation, one a line; each is answered with one line of JSON.
+// Commands to a running simulation, one per line, each answered by one line of JSON.
 #pragma once
 
 #include <array>
@@ -9,10 +9,11 @@
 
 namespace godobject {
 
-/// "fault VERB key=value ...", "clear", "status", "quit". `quit` is set by the last of them. Allocates.
+/// Executes "fault VERB key=value ...", "clear", "status" or "quit", and returns the answer. Allocates.
+/// quit: set by the command of that name.
 std::string answer(std::string_view command, Simulation& simulation, bool& quit);
 
-/// Whole lines from a descriptor, without waiting for them: while it lives, reading there does not block.
+/// Reads whole lines from a descriptor without blocking, which it sets for the descriptor during its life.
 class LineInput {
  public:
   explicit LineInput(int descriptor) noexcept;
@@ -22,9 +23,10 @@ class LineInput {
 
   static constexpr std::size_t max_line = 1001;  // bytes
 
-  /// False: no line is complete yet. Of a longer line the first max_line bytes or some more, once.
+  /// Returns false if no line is complete yet. Of a longer line it returns the first max_line bytes or more,
+  /// once.
   [[nodiscard]] bool try_line(std::string& line);
-  /// -1 after its end.
+  /// Returns -1 after the end of input.
   int descriptor() const noexcept { return ended_ ? -1 : descriptor_; }
 
  private:

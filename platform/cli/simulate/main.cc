@@ -1,4 +1,4 @@
-// godobject: the command line, with simulated devices and the verb `simulate`.
+// godobject with simulated devices and the verb `simulate`.
 #include "platform/cli/program.h"
 #include "platform/simulated/session.h"
 

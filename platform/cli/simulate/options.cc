@@ -17,7 +17,7 @@
 namespace godobject {
 namespace {
 
-/// The buses that `text` is about, as closed ends of theirs.
+/// Makes closed ends of the buses named by `text`.
 void offer(const std::string& option, const std::string& text, bool is_tap, const RigParams& rig,
            PreparedSimulation& out, std::vector<OfferedBus>& offered) {
   const auto complain = [&](const std::string& what) {
@@ -29,7 +29,7 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   if (!address) return complain(error);
   if (address->backend->no_device != nullptr) return complain(address->backend->no_device);
   if (wanted.name.empty() && rig.buses.size() > 1 && !address->backend->makes_terminal)
-    return complain("the scene has " + std::to_string(rig.buses.size()) + " buses: say which, as in " +
+    return complain("the scene has " + std::to_string(rig.buses.size()) + " buses: name one, as in " +
                     rig.buses.front().name + "=" + wanted.address);
   bool found = false;
   for (std::size_t i = 0; i < rig.buses.size(); ++i) {
@@ -46,7 +46,7 @@ void offer(const std::string& option, const std::string& text, bool is_tap, cons
   if (!found) complain("the scene has no bus '" + wanted.name + "'");
 }
 
-/// One for each bus of the scene, in its order, then the taps.
+/// Makes one end for each bus of the scene, in its order, then the taps.
 std::vector<OfferedBus> offer_all(const SimulateOptions& options, const RigParams& rig,
                                   PreparedSimulation& out) {
   std::vector<OfferedBus> offered;
@@ -56,7 +56,7 @@ std::vector<OfferedBus> offer_all(const SimulateOptions& options, const RigParam
     const auto ends = std::ranges::count(offered, i, &OfferedBus::wire);
     if (out.errors.empty() && ends != 1)
       out.errors.push_back("--bus: bus '" + rig.buses[i].name + "' of the scene has " + std::to_string(ends) +
-                           " addresses, it needs one: --bus " + rig.buses[i].name + "=ADDRESS");
+                           " addresses and requires one: give --bus " + rig.buses[i].name + "=ADDRESS");
   }
   for (const std::string& text : options.taps) offer("--tap", text, true, rig, out, offered);
   return offered;
@@ -70,7 +70,7 @@ void open_all(const std::vector<OfferedBus>& offered, PreparedSimulation& out) {
   }
 }
 
-/// Scene and faults; none where they have errors.
+/// Loads scene and faults; none if they have errors.
 std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulation& out) {
   LoadResult loaded = load_scene(options.scene, simulated_faults());
   append(out.errors, loaded.errors);
@@ -79,7 +79,8 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   SceneConfig& scene = *loaded.scene;
   if (!scene.device || (!scene.device->rig && scene.device->trackers.empty())) {
     out.errors.push_back(options.scene +
-                         ": describes no device on buses, and no trackers: there is nothing to simulate");
+                         ": describes no device on buses and no trackers to simulate: add [[bus]] or "
+                         "[[device.tracker]] tables");
     return std::nullopt;
   }
   if (scene.device->rig) scene.device->rig->cycle_s = scene.step;
@@ -94,7 +95,7 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
   return std::move(loaded.scene);
 }
 
-/// One for each tracker of the scene, on a pseudo-terminal.
+/// Opens a pseudo-terminal for each tracker of the scene.
 std::vector<std::unique_ptr<TrackerLine>> offer_trackers(const SceneConfig& scene, PreparedSimulation& out) {
   std::vector<std::unique_ptr<TrackerLine>> lines;
   const std::vector<TrackerParams>& trackers = scene.device->trackers;

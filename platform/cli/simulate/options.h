@@ -1,5 +1,5 @@
-// What `godobject simulate` was asked for, and what becomes of it: a simulation on open buses, or every complaint
-// with its place.
+// Options of `godobject simulate` and the simulation prepared from them, on open buses, or all errors with
+// their places.
 #pragma once
 
 #include <memory>
@@ -14,18 +14,18 @@ namespace godobject {
 struct SimulateOptions {
   std::string scene;                   // path
   std::vector<std::string> buses;      // "ADDRESS" or "NAME=ADDRESS"
-  std::vector<std::string> taps;       // likewise
+  std::vector<std::string> taps;       // as buses
   std::string motion, faults, report;  // paths; empty: the scene's own, none, none
-  std::optional<double> duration;      // s; none: until it is stopped
-  bool control = false;                // commands on standard input
+  std::optional<double> duration;      // s; none: until stopped
+  bool control = false;                // true: commands on standard input
   bool realtime = false;
-  bool start_now = false;  // the motion does not wait for the first SYNC
+  bool start_now = false;  // true: the motion does not wait for the first SYNC
 };
 
 struct PreparedSimulation {
-  std::unique_ptr<Simulation> simulation;  // null where there are errors
+  std::unique_ptr<Simulation> simulation;  // null if there are errors
   std::vector<std::string> errors, notes;
-  bool not_available = false;  // the errors are of this machine's buses and terminals
+  bool not_available = false;  // true if the errors are of this machine's buses and terminals
 };
 
 PreparedSimulation prepare(const SimulateOptions& options);

@@ -11,7 +11,7 @@
 namespace godobject {
 namespace {
 
-/// With no SYNC for so many periods the mechanics run by themselves.
+/// Number of periods without SYNC after which the mechanics run by themselves.
 constexpr int periods_without_sync = 5;
 constexpr Nanoseconds tracker_poll_ns = 1'000'000;
 
@@ -56,7 +56,7 @@ void Simulation::run_rig(Nanoseconds now) noexcept {
   take_frames();
   const bool alone = now - t_sync_ns_ >= periods_without_sync * period_ns_;
   if (alone && now - t_plant_ns_ >= period_ns_) run_plant();
-  rig_->run_wires(now);  // what came in takes part in the next arbitration
+  rig_->run_wires(now);  // received frames take part in the next arbitration
   for (BusBridge& bridge : bridges_) bridge.forward(now);
   watch_motors();
 }
@@ -80,7 +80,7 @@ std::string Simulation::play(const FaultConfig& config) {
     if (!found.fault) return found.error;
     is_scheduled = rig_->faults().schedule(*found.fault);
   }
-  return is_scheduled ? "" : "as many faults are active as can be: clear some";
+  return is_scheduled ? "" : "too many faults are active: clear some";
 }
 
 void Simulation::clear_faults() noexcept {
@@ -107,7 +107,7 @@ void Simulation::watch_commands(std::size_t bus, const CanFrame& frame) noexcept
       motors_[i].t_commanded_s = seconds(now_ns_);
 }
 
-// Positions are those of the time of the SYNC; that of the next bus, which follows at once, changes nothing.
+// Positions are those at the time of the SYNC. The SYNC of the next bus follows at once and changes nothing.
 void Simulation::on_sync() noexcept {
   ++syncs_;
   t_sync_ns_ = now_ns_;
@@ -190,7 +190,7 @@ nlohmann::ordered_json Simulation::to_json() const {
   return out;
 }
 
-/// Nodes that take no part in their bus until they restart.
+/// Lists the nodes in bus-off.
 nlohmann::ordered_json Simulation::bus_off_json() const {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (std::size_t bus = 0; bus < params_.buses.size(); ++bus)

@@ -1,7 +1,5 @@
-// A simulated device in wall time: a rig with real buses at the host's end of its wires, trackers on pseudo-terminals.
-//
-// The room: options.h is what was asked for; bridge.h joins a simulated wire to a real bus, tracker_line.h a simulated
-// tracker to a pseudo-terminal; control.h takes commands, such as faults, while it runs.
+// A simulated device in wall time: a rig with real buses at the host's end of its wires, trackers on
+// pseudo-terminals.
 #pragma once
 
 #include <atomic>
@@ -20,48 +18,50 @@
 
 namespace godobject {
 
-/// One bus of the scene and the address where it is offered.
+/// One bus of the scene and the address at which it is offered.
 struct OfferedBus {
-  std::string name;     // of the scene's bus
+  std::string name;     // name of the scene's bus
   std::string address;  // as on the command line
   std::size_t wire = 0;
-  bool is_tap = false;  // a node of its own on the wire, which hears all of it
+  bool is_tap = false;  // true: a node of its own on the wire, which receives all frames
   std::unique_ptr<LinuxBus> bus;
 };
 
-/// The motors of a drive, as the plant feels them.
+/// Torque of a drive's motor as applied to the plant.
 struct MotorWatch {
   double torque_Nm = 0;
   double max_torque_Nm = 0;  // largest absolute value so far
-  double t_nonzero_s = 0;    // until when it was not zero, at the latest; of simulated time
-  double t_commanded_s = 0;  // when a command of the host for this drive last came
+  double t_nonzero_s = 0;    // latest simulated time with a torque other than zero
+  double t_commanded_s = 0;  // time of the host's latest command for this drive
 };
 
 class Simulation {
  public:
-  /// buses: open; one per wire, then taps. trackers: open; one per tracker of the scene. scene: where it has a rig
-  /// SimRig::why_not() is empty. Without a rig the motion waits for the first byte to a tracker instead of SYNC.
   /// Allocates; step() does not.
-  /// devices: profiles of the devices that the nodes play.
+  /// buses: open; one per wire, then taps.
+  /// trackers: open; one per tracker of the scene.
+  /// scene: with a rig, SimRig::why_not() must be empty. Without a rig the motion waits for the first byte to
+  /// a tracker instead of SYNC.
+  /// devices: profiles of the simulated nodes.
   Simulation(const SceneConfig& scene, const RigProfiles& devices, const Motion& motion,
              std::vector<OfferedBus> buses, bool motion_waits_for_sync,
              std::vector<std::unique_ptr<TrackerLine>> trackers = {});
 
-  /// Everything up to `now`, since the start: frames in, wires, nodes, mechanics, frames out.
+  /// Simulates up to `now`, since the start: frames in, wires, nodes, mechanics, frames out.
   void step(Nanoseconds now) noexcept;
-  /// When step() has something to do again, if no frame comes before.
+  /// Returns the time of the next step() if no frame arrives before.
   Nanoseconds next_event() const noexcept;
 
-  /// For ppoll.
+  /// Descriptors for ppoll.
   std::vector<int> descriptors() const;
   const std::vector<OfferedBus>& buses() const noexcept { return buses_; }
   std::span<const std::unique_ptr<TrackerLine>> trackers() const noexcept { return trackers_; }
-  /// Plays a fault from the next step on. Empty, or why not. Allocates.
+  /// Plays a fault from the next step on. Returns why this failed; empty on success. Allocates.
   std::string play(const FaultConfig& config);
   void clear_faults() noexcept;
   Nanoseconds now() const noexcept { return now_ns_; }
   double motion_time() const noexcept;
-  /// All there is to say about it, for status and report.
+  /// Returns the state for `status` and the report.
   nlohmann::ordered_json to_json() const;
 
  private:
@@ -75,19 +75,19 @@ class Simulation {
   void run_plant() noexcept;
   void watch_motors() noexcept;
 
-  RigParams params_;  // without buses where the device has no rig
+  RigParams params_;  // without buses if the device has no rig
   std::vector<TrackerParams> tracker_params_;
   Nanoseconds period_ns_;
   std::vector<OfferedBus> buses_;
   std::optional<SimRig> rig_;
-  std::vector<BusBridge> bridges_;  // one per buses_
+  std::vector<BusBridge> bridges_;  // one per bus of buses_
   std::vector<MotorWatch> motors_;  // one per drive
   std::vector<std::unique_ptr<TrackerLine>> trackers_;
-  std::optional<SimTrackers> tools_;  // of the trackers
+  std::optional<SimTrackers> tools_;  // tools of the trackers
   Nanoseconds now_ns_ = 0;
-  Nanoseconds t_plant_ns_ = 0;              // up to which the mechanics have run
-  Nanoseconds t_sync_ns_ = 0;               // of the latest SYNC
-  std::optional<Nanoseconds> t_motion_ns_;  // at which the motion began
+  Nanoseconds t_plant_ns_ = 0;              // end of the simulated mechanics
+  Nanoseconds t_sync_ns_ = 0;               // time of the latest SYNC
+  std::optional<Nanoseconds> t_motion_ns_;  // start of the motion
   std::uint64_t syncs_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A simulated tracker on a pseudo-terminal, for a host that knows nothing of it.
+// A simulated tracker on a pseudo-terminal, equal to a real one for a host.
 #pragma once
 
 #include <array>
@@ -19,9 +19,10 @@ class TrackerLine {
   TrackerLine(const TrackerLine&) = delete;
   TrackerLine& operator=(const TrackerLine&) = delete;
 
-  /// Empty, or why there is no pseudo-terminal.
+  /// Returns why there is no pseudo-terminal; empty on success.
   std::string open();
-  /// Bytes of the host in, what the tracker has to say out. What nobody reads waits, and is lost once its queue is full.
+  /// Passes the host's bytes to the tracker, and its bytes to the host. Bytes that are not read wait, and are
+  /// lost once the queue is full.
   void step(Nanoseconds now) noexcept;
 
   const std::string& name() const noexcept { return name_; }
@@ -29,7 +30,7 @@ class TrackerLine {
   int descriptor() const noexcept { return port_.descriptor(); }
   SimTracker& far() noexcept { return *far_; }
   const SimTracker& far() const noexcept { return *far_; }
-  /// Bytes that have come from a host.
+  /// Returns the number of bytes received from the host.
   std::uint64_t num_received() const noexcept { return num_received_; }
 
  private:
@@ -38,7 +39,7 @@ class TrackerLine {
   SerialPort port_;
   int slave_fd_ = -1;
   std::array<std::uint8_t, 512> out_{};
-  std::span<const std::uint8_t> unsent_{};  // of out_
+  std::span<const std::uint8_t> unsent_{};  // part of out_
   std::uint64_t num_received_ = 0;
 };
 

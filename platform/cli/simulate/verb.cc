@@ -1,4 +1,4 @@
-// godobject simulate: the other end of the buses, for a `godobject run` that knows nothing of it.
+// godobject simulate: simulates the other end of the buses for a `godobject run`.
 #include <poll.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@
 namespace godobject {
 namespace {
 
-/// Sleeps until `until`, or until one of the descriptors has something to read.
+/// Sleeps until `until`, or until a descriptor is readable.
 void wait(std::vector<pollfd>& descriptors, Nanoseconds until) noexcept {
   const Nanoseconds left = std::max<Nanoseconds>(0, until - MonotonicClock{}.now());
   const timespec timeout{.tv_sec = left / 1'000'000'000, .tv_nsec = left % 1'000'000'000};
@@ -37,14 +37,14 @@ void announce(const Simulation& simulation) {
   std::fflush(stdout);
 }
 
-/// In wall time, until the duration is over, the user says so or a signal comes.
+/// Runs in wall time until the duration is over, a command ends it or a signal arrives.
 void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   Simulation& simulation = *prepared.simulation;
   const StopSignals stop;
   const std::optional<RtProcess> process =
       options.realtime ? std::optional<RtProcess>(std::in_place) : std::nullopt;
   if (options.realtime) std::fputs(("real-time set-up\n" + rt_table(set_up_rt_thread())).c_str(), stderr);
-  prctl(PR_SET_TIMERSLACK, 1UL);  // ns: answers to SYNC are fractions of a millisecond apart
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ns; answers to SYNC are fractions of a millisecond apart
   std::optional<LineInput> input;
   if (options.control) input.emplace(STDIN_FILENO);
   std::vector<pollfd> descriptors;
@@ -56,7 +56,7 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   const double end_s = options.duration.value_or(std::numeric_limits<double>::infinity());
   constexpr std::size_t waiting_bytes = 1 << 20;
   constexpr std::chrono::milliseconds patience{500};
-  BackgroundFile answers(STDOUT_FILENO, waiting_bytes);  // which nobody need read
+  BackgroundFile answers(STDOUT_FILENO, waiting_bytes);  // need not be read
   bool quit = false;
   for (std::string line; !quit && !stop.requested();) {
     simulation.step(MonotonicClock{}.now() - start);
@@ -68,7 +68,7 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
   }
   const BackgroundFile::Result written = answers.close(BackgroundFile::Clock::now() + patience);
   if (written.lost_lines > 0)
-    std::fprintf(stderr, "%llu answers were lost: nobody read standard output\n",
+    std::fprintf(stderr, "%llu answers were lost because standard output was not read\n",
                  static_cast<unsigned long long>(written.lost_lines));
 }
 
@@ -95,27 +95,26 @@ void add_options(CLI::App& verb, SimulateOptions& options) {
       ->required();
   verb.add_option(
       "--bus", options.buses,
-      "[NAME=]ADDRESS, where a bus of the scene is offered: socketcan:vcan0, slcan:/dev/pts/3, or pty, "
-      "which makes a pseudo-terminal that speaks SLCAN and prints its path; trackers are offered on "
-      "pseudo-terminals of their own");
-  verb.add_option(
-      "--tap", options.taps,
-      "[NAME=]ADDRESS, one more end of the bus: it hears every frame, and what is written there comes "
-      "as from another node");
-  verb.add_option("--motion", options.motion, "CSV of the hand's poses or the device's joints, as of run");
-  verb.add_option("--duration", options.duration, "s; default: until it is stopped")
+      "offer a bus of the scene at [NAME=]ADDRESS: socketcan:vcan0, slcan:/dev/pts/3, or pty, which makes a "
+      "pseudo-terminal for SLCAN and prints its path; trackers get pseudo-terminals of their own");
+  verb.add_option("--tap", options.taps,
+                  "offer one more end of a bus at [NAME=]ADDRESS: it receives every frame, and frames "
+                  "written there arrive as from another node");
+  verb.add_option("--motion", options.motion,
+                  "read the motion from this CSV of target poses or joint coordinates, as run does");
+  verb.add_option("--duration", options.duration, "end after this time, s; default: until stopped")
       ->check(number_above(0, 1e6));
-  verb.add_option("--faults", options.faults, "TOML with [[fault]] tables, besides those of the scene");
+  verb.add_option("--faults", options.faults,
+                  "play the [[fault]] tables of this TOML file besides those of the scene");
   verb.add_option_function<std::string>(
           "--control", [&](const std::string& from) { options.control = from == "-"; },
-          "-: commands on standard input, one a line: fault VERB ..., clear, status, quit (see "
-          "docs/faults.md); "
-          "none (default)")
+          "read commands from standard input (-), one per line: fault VERB ..., clear, status, quit (see "
+          "docs/faults.md); none (default)")
       ->check(CLI::IsMember({"-", "none"}));
   verb.add_flag("--realtime", options.realtime,
-                "with a real-time priority: answers come in time on a busy machine");
-  verb.add_flag("--start-now", options.start_now, "the motion begins at once instead of with the first SYNC");
-  verb.add_option("--report", options.report, "JSON to write at the end: what `status` says");
+                "run with real-time priority, so that answers are in time on a busy machine");
+  verb.add_flag("--start-now", options.start_now, "start the motion at once instead of with the first SYNC");
+  verb.add_option("--report", options.report, "write a JSON at the end, with the content of `status`");
 }
 
 }  // namespace
@@ -123,7 +122,7 @@ void add_options(CLI::App& verb, SimulateOptions& options) {
 void add_simulate(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "simulate",
-      "Play a scene's device on real buses and serial lines, for a `godobject run` on their other end.");
+      "Simulate a scene's device on real buses and serial lines, for a `godobject run` at their other end.");
   const auto options = std::make_shared<SimulateOptions>();
   add_options(*verb, *options);
   verb->callback([options, &code] { code = simulate(*options); });

@@ -1,4 +1,4 @@
-// godobject bus-load: whether the buses of a scene can carry its messages.
+// godobject bus-load: checks that the buses of a scene can carry its messages.
 #include <cstdio>
 #include <memory>
 
@@ -15,17 +15,18 @@ struct BusLoadOptions {
   std::string scene;
   bool json = false;
   bool allow_overload = false;
-  FaultChecks faults{};  // of what the program simulates
+  FaultChecks faults{};  // simulation of the program
 };
 
-/// None: the scene is wrong, and it has been said why.
+/// Loads the rig of a scene; none after printing the errors.
 std::optional<RigParams> load_rig(const std::string& path, const FaultChecks& checks) {
   const LoadResult loaded = load_scene(path, checks);
   for (const std::string& warning : loaded.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
   for (const std::string& error : loaded.errors) std::fprintf(stderr, "%s\n", error.c_str());
   if (!loaded.scene) return std::nullopt;
   if (!loaded.scene->device || !loaded.scene->device->rig) {
-    std::fprintf(stderr, "%s: the scene describes no buses\n", path.c_str());
+    std::fprintf(stderr, "%s: the scene describes no buses; add [[bus]] tables, encoders and joints\n",
+                 path.c_str());
     return std::nullopt;
   }
   const RigParams& rig = *loaded.scene->device->rig;
@@ -61,13 +62,14 @@ ExitCode show_bus_load(const BusLoadOptions& options) {
 
 void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "bus-load", "Load of a scene's buses, nominal and at worst, message by message; refuses above 70 %.");
+      "bus-load",
+      "Print the load of a scene's buses, nominal and worst case, message by message; fail above 70 %.");
   const auto options = std::make_shared<BusLoadOptions>();
   options->faults = checks;
   verb->add_option("SCENE", options->scene, "scene file (TOML), see docs/scenes.md")->required();
   verb->add_flag("--json", options->json, "print JSON");
   verb->add_flag("--allow-overload", options->allow_overload,
-                 "exit code 0 also above 70 % in the worst case");
+                 "return exit code 0 even above 70 % in the worst case");
   verb->callback([options, &code] { code = show_bus_load(*options); });
 }
 

@@ -1,4 +1,4 @@
-// godobject check: what a scene file means, before anything moves.
+// godobject check: validates a scene and prints its properties, without moving anything.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -43,14 +43,14 @@ void print_capacities(const SceneConfig& scene, const Engine& engine) {
     print("nodes", engine.nets().nodes.size(), c.max_nodes);
     print("springs", engine.nets().springs.size(), c.max_springs);
     print("attachments", engine.nets().attachments.size(), c.max_attachments);
-    std::printf("#   %-24s at most %zu at a time; more are the fault contacts_full\n", "contacts of nodes",
+    std::printf("#   %-24s at most %zu at once; more raise the fault contacts_full\n", "contacts of nodes",
                 c.max_node_contacts);
   }
   if (c.contacts == ContactScope::none) return;
   const ContactCounts counts = contact_counts(scene);
   print("spheres", counts.spheres, c.max_spheres);
   print("surfaces", counts.surfaces, c.max_surfaces);
-  std::printf("#   %-24s at most %zu at a time; more are the fault contacts_full\n", "contacts",
+  std::printf("#   %-24s at most %zu at once; more raise the fault contacts_full\n", "contacts",
               c.max_contacts);
 }
 
@@ -61,10 +61,11 @@ void print_top_speed(const SceneConfig& scene) {
       std::printf("\n# top speed: %s\n", text.c_str());
     return;
   }
-  std::printf("\n# top speed at which %s passes anything: %.3g m/s, %s\n", what_does_not_pass(scene),
-              bound->top(), bound->what.c_str());
+  std::printf("\n# top speed up to which %s passes through a solid: %.3g m/s, %s\n",
+              what_does_not_pass(scene), bound->top(), bound->what.c_str());
   std::printf(
-      "#   travel in a step: %.3g m/s; energy of the tool: %.3g m/s; hand %.3g m beyond the surface\n",
+      "#   bound by the travel in a step: %.3g m/s; by the energy of the tool: %.3g m/s; hand at most %.3g m "
+      "beyond the surface\n",
       bound->travel, bound->energy, bound->hand);
 }
 
@@ -72,8 +73,8 @@ void warn_of_top_speed(const std::string& path, const SceneConfig& scene) {
   const std::optional<SpeedBound> bound = top_speed(scene);
   if (bound && bound->top() < advised_top_speed)
     std::fprintf(stderr,
-                 "warning: %s: above %.3g m/s %s may pass each other, and a hand reaches %g m/s: make the "
-                 "solid thicker or the contact stiffer, or the step shorter\n",
+                 "warning: %s: above %.3g m/s %s may pass through each other, and a hand reaches %g m/s: "
+                 "make the solid thicker, the contact stiffer or the step shorter\n",
                  path.c_str(), bound->top(), bound->what.c_str(), advised_top_speed);
 }
 
@@ -81,21 +82,19 @@ void warn_of_contacts_at_start(const std::string& path, const SceneConfig& scene
   for (const SpheresAlone& one : spheres_alone(scene)) {
     const std::string more =
         one.num_others > 1 ? " (and " + std::to_string(one.num_others - 1) + " more)" : "";
-    std::fprintf(
-        stderr,
-        "warning: %s: the shape of body '%s' meets %s%s by its spheres alone: between these it passes at "
-        "any speed; set a sphere at each corner, and more of them than are between the edges of what "
-        "it meets\n",
-        path.c_str(), one.body.c_str(), one.other.c_str(), more.c_str());
+    std::fprintf(stderr,
+                 "warning: %s: the shape of body '%s' touches %s%s only with its spheres and may pass "
+                 "through between them at any speed; set a sphere at each corner, and space spheres more "
+                 "closely than the edges of the other solid\n",
+                 path.c_str(), one.body.c_str(), one.other.c_str(), more.c_str());
   }
   const BuriedSpheres buried = buried_spheres(scene);
   if (buried.num == 0) return;
-  std::fprintf(
-      stderr,
-      "warning: %s: %zu %s with the centre inside a solid, the deepest %.3g mm, %s: it is pushed out "
-      "slowly, and by the nearest face; move the body or the solid\n",
-      path.c_str(), buried.num, buried.num == 1 ? "sphere begins" : "spheres begin", 1e3 * buried.depth,
-      buried.deepest.c_str());
+  std::fprintf(stderr,
+               "warning: %s: %zu %s with the centre inside a solid, the deepest %.3g mm, %s: contacts push "
+               "it out slowly through the nearest face; move the body or the solid\n",
+               path.c_str(), buried.num, buried.num == 1 ? "sphere begins" : "spheres begin",
+               1e3 * buried.depth, buried.deepest.c_str());
 }
 
 void print_passivity(const Passivity& passivity) {
@@ -104,7 +103,7 @@ void print_passivity(const Passivity& passivity) {
   for (const std::string& row : table) std::puts(row.c_str());
 }
 
-/// The rows without what the columns mean.
+/// Prints the rows without the explanation of the columns.
 void print_margins(const Passivity& passivity) {
   constexpr std::size_t num_head_lines = 2;
   const std::vector<std::string> table = passivity_table(passivity);
@@ -146,7 +145,7 @@ ExitCode check(RunOptions options, bool full) {
   } else if (!options.quiet) {
     for (const std::string& line : check_lines(options, prepared)) std::printf("%s\n", line.c_str());
     print_margins(prepared.passivity);
-    std::printf("all of it: godobject check --full\n");
+    std::printf("for all details: godobject check --full\n");
   }
   warn_of_top_speed(path, prepared.session->scene());
   warn_of_contacts_at_start(path, prepared.session->scene());
@@ -164,10 +163,9 @@ void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code)
   options->simulated = simulated;
   add_run_options(*verb, *options);
   const auto full = std::make_shared<bool>(false);
-  verb->add_flag(
-      "--full", *full,
-      "print everything: each value in effect, as a scene file, the parts of the composition with their "
-      "memory, every message of every bus");
+  verb->add_flag("--full", *full,
+                 "print everything: the values in effect as a scene file, the composition with its memory, "
+                 "and every message of every bus");
   verb->callback([options, full, &code] { code = check(*options, *full); });
 }
 

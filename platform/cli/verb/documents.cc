@@ -1,4 +1,4 @@
-// godobject man, godobject completion bash: for packagers, not among the verbs that help lists.
+// godobject man, godobject completion bash: documents for packagers, hidden in help.
 #include <cstdio>
 #include <memory>
 
@@ -21,7 +21,9 @@ void add_documents(CLI::App& app, ExitCode& code) {
 
   CLI::App* completion = app.add_subcommand("completion", "Print the completion of a shell.")->group("");
   const auto shell = std::make_shared<std::string>();
-  completion->add_option("SHELL", *shell, "which shell")->required()->check(CLI::IsMember({"bash"}));
+  completion->add_option("SHELL", *shell, "print the completion of this shell")
+      ->required()
+      ->check(CLI::IsMember({"bash"}));
   completion->callback([&app, &code, shell] { code = print(bash_completion(app)); });
 }
 

@@ -1,4 +1,4 @@
-// godobject drive: one CiA 402 drive, brought up by hand.
+// godobject drive: commissions one CiA 402 drive by hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,7 +40,8 @@ std::string modes_text(std::int64_t supported_modes) {
   return text.empty() ? "none" : text;
 }
 
-/// One line; "-" for an object that the drive does not have. False: no answer, which has been reported.
+/// Prints one line, with "-" for an object that the drive does not have. Returns false after printing an
+/// error if there is no answer.
 template <class Format>
 bool print_object(NodeDialogue& node, const char* label, const TypedObject& object, const Format& format) {
   const std::optional<std::int64_t> value = node.read(object);
@@ -81,13 +82,14 @@ ExitCode print_status(const DriveOptions& options) {
       print_object(node, "torque", object::torque, with_unit("per mille of the rated torque")) &&
       print_object(node, "rated torque", object::torque_rated,
                    with_unit("(6076h: mNm, or the maker's unit)")) &&
-      print_object(node, "modes it has", object::supported_modes, modes_text) &&
+      print_object(node, "supported modes", object::supported_modes, modes_text) &&
       print_object(node, "quick stop", object::quick_stop_option, with_unit("(605Ah)"));
   if (complete && !node.host_seen().empty()) std::printf("%-16s %s\n", "host", node.host_seen().c_str());
   return complete ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Waits until the drive is in a state that `wanted` accepts, or for `patience`. None: no answer.
+/// Waits for an accepted state of the drive, for at most `patience`. Returns none if there is no
+/// answer.
 template <class Wanted>
 std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, const Wanted& wanted) {
   constexpr Nanoseconds period_ns = 10'000'000;
@@ -99,8 +101,8 @@ std::optional<DriveState> wait_for(DriveDialogue& drive, Nanoseconds patience, c
   }
 }
 
-/// Gives edges of bit 7, each level as long as a drive that looks seldom needs, until it leaves Fault. None:
-/// no answer.
+/// Sends edges of bit 7 until the drive leaves Fault, each level long enough for a drive that samples it
+/// rarely. Returns none if there is no answer.
 std::optional<DriveState> send_reset_edges(DriveDialogue& drive, Nanoseconds patience_ns) {
   const auto reset = [](DriveState now) { return now != DriveState::fault; };
   const Nanoseconds t_end_ns = MonotonicClock().now() + patience_ns;
@@ -131,7 +133,7 @@ ExitCode reset(const DriveOptions& options) {
   if (!error_register) return node.report();
   const bool still = *state == DriveState::fault || *state == DriveState::fault_reaction_active;
   std::printf("%s: %s; %s; error register 1001h = %02Xh\n",
-              still          ? "the fault remains, its cause is still there"
+              still          ? "the fault remains, because its cause persists"
               : was_in_fault ? "reset"
                              : "nothing to reset",
               name_of(*state), error_code_text(*error).c_str(), static_cast<unsigned>(*error_register));
@@ -144,9 +146,9 @@ ExitCode quick_stop(const DriveOptions& options) {
   if (const ExitCode code = drive.open(); code != ExitCode::ok) return code;
   NodeDialogue& node = drive.node();
   if (!node.host_seen().empty())
-    std::fprintf(stderr, "node %d: a host runs this bus (%s): its next command replaces this one\n",
+    std::fprintf(stderr, "node %d: a host runs this bus (%s) and its next command overrides this one\n",
                  node.node(), node.host_seen().c_str());
-  // No answer to the quick stop, and disable voltage is tried all the same.
+  // Disable voltage is sent even if the quick stop was not answered.
   const bool taken = drive.command(cia402::quick_stop);
   if (!taken) static_cast<void>(node.report());
   const auto powered = [](DriveState state) {
@@ -167,7 +169,7 @@ ExitCode quick_stop(const DriveOptions& options) {
 bool confirmed(const DriveOptions& options) {
   if (options.hand_on_the_stop) return true;
   std::fprintf(stderr,
-               "this moves the motor: give --hand-on-the-stop once you see the whole rig and have your "
+               "this verb moves the motor: give --hand-on-the-stop once you see the whole rig and have your "
                "hand on its emergency stop\n");
   return false;
 }
@@ -181,7 +183,7 @@ ExitCode home(const DriveOptions& options) {
   return home_drive(drive, options.home, signals.requested());
 }
 
-/// The one value that is given, within its limit.
+/// Takes the one given value, and checks it against its limit.
 bool take_value(DriveOptions& options) {
   struct Choice {
     const std::optional<double>& value;
@@ -193,7 +195,7 @@ bool take_value(DriveOptions& options) {
                            Choice{options.torque, CommandKind::torque, limit_torque_per_mille}};
   const auto is_given = [](const Choice& choice) { return choice.value.has_value(); };
   if (std::ranges::count_if(choices, is_given) != 1) {
-    std::fprintf(stderr, "one of --velocity, --position, --torque\n");
+    std::fprintf(stderr, "exactly one of --velocity, --position and --torque is required\n");
     return false;
   }
   const Choice& choice = *std::ranges::find_if(choices, is_given);
@@ -207,7 +209,7 @@ bool take_value(DriveOptions& options) {
   const double speed = std::abs(options.move.value) * MoveRamp(options.move.duration).peak_rate();
   if (options.position && speed > options.speed_limit) {
     std::fprintf(stderr,
-                 "%g counts in %g s need %.0f counts/s, beyond the limit of %g: raise --duration or "
+                 "%g counts in %g s need %.0f counts/s, beyond the limit of %g counts/s: raise --duration or "
                  "--speed-limit\n",
                  options.move.value, options.move.duration, speed, options.speed_limit);
     return false;
@@ -225,48 +227,56 @@ ExitCode move(DriveOptions& options) {
 }
 
 void add_home(CLI::App& verb, const std::shared_ptr<DriveOptions>& options, ExitCode& code) {
-  CLI::App* homing = verb.add_subcommand("home", "Let the drive find its zero; off afterwards.");
+  CLI::App* homing = verb.add_subcommand("home", "Home the drive, then turn it off.");
   HomeOptions& home_options = options->home;
   homing
       ->add_option("--method", home_options.method,
-                   "6098h; 37, in older drives 35: where it stands, without moving; negative: the maker's")
+                   "use this homing method (6098h). 37, in older drives 35: here, without moving; negative: "
+                   "the maker's")
       ->check(CLI::Range(-128, 127))
       ->capture_default_str();
-  homing->add_option("--switch-speed", home_options.switch_speed, "to the switch, counts/s, 6099h:01");
-  homing->add_option("--zero-speed", home_options.zero_speed, "to the index, counts/s, 6099h:02");
-  homing->add_option("--acceleration", home_options.acceleration, "counts/s^2, 609Ah");
-  homing->add_option("--offset", home_options.offset, "the position at home, counts, 607Ch");
-  homing->add_option("--within", home_options.within, "for all of it, s")
+  homing->add_option("--switch-speed", home_options.switch_speed,
+                     "set the speed towards the switch, counts/s (6099h:01)");
+  homing->add_option("--zero-speed", home_options.zero_speed,
+                     "set the speed towards the index, counts/s (6099h:02)");
+  homing->add_option("--acceleration", home_options.acceleration, "set the acceleration, counts/s^2 (609Ah)");
+  homing->add_option("--offset", home_options.offset, "set the position at home, counts (607Ch)");
+  homing->add_option("--within", home_options.within, "end the homing after this time, s")
       ->check(number_above(0, 600))
       ->capture_default_str();
-  homing->add_flag("--hand-on-the-stop", options->hand_on_the_stop, "asked for where the method moves");
+  homing->add_flag("--hand-on-the-stop", options->hand_on_the_stop,
+                   "confirm that you see the whole rig and have your hand on its emergency stop; required "
+                   "where the method moves");
   homing->callback([options, &code] { code = home(*options); });
 }
 
 void add_move(CLI::App& verb, const std::shared_ptr<DriveOptions>& options, ExitCode& code) {
   CLI::App* moving = verb.add_subcommand(
-      "move", "Move the motor: a ramp for the first quarter, one down for the last; off afterwards.");
+      "move", "Move the motor with a ramp up in the first quarter and down in the last, then turn it off.");
   constexpr double largest_counts = 1e9, largest_per_mille = 1000;
   const CLI::Validator counts = number_in(-largest_counts, largest_counts);
-  moving->add_option("--velocity", options->velocity, "counts/s (CSV, 60FFh); at most 2000 without --limit")
+  moving
+      ->add_option("--velocity", options->velocity,
+                   "move at this velocity, counts/s (CSV, 60FFh); at most 2000 without --limit")
       ->check(counts);
   moving
       ->add_option("--position", options->position,
-                   "counts from where it stands (CSP, 607Ah); at most 2000 without --limit")
+                   "move by this distance from here, counts (CSP, 607Ah); at most 2000 without --limit")
       ->check(counts);
   moving
-      ->add_option("--torque", options->torque,
-                   "per mille of the rated torque 6076h (CST, 6071h); at most 50 without --limit")
+      ->add_option(
+          "--torque", options->torque,
+          "apply this torque, per mille of the rated torque 6076h (CST, 6071h); at most 50 without --limit")
       ->check(number_in(-largest_per_mille, largest_per_mille));
   moving->add_option("--duration", options->move.duration, "s")->required()->check(number_in(0.1, 60));
-  moving->add_option("--limit", options->limit, "what the value may be at most, in its unit")
+  moving->add_option("--limit", options->limit, "allow values up to this one, in the unit of the value")
       ->check(number_above(0, largest_counts));
-  moving->add_option("--speed-limit", options->speed_limit, "of --position, counts/s")
+  moving
+      ->add_option("--speed-limit", options->speed_limit, "allow --position speeds up to this one, counts/s")
       ->check(number_above(0, largest_counts))
       ->capture_default_str();
-  moving->add_flag(
-      "--hand-on-the-stop", options->hand_on_the_stop,
-      "you see the whole rig and have your hand on its emergency stop: nothing moves without this");
+  moving->add_flag("--hand-on-the-stop", options->hand_on_the_stop,
+                   "confirm that you see the whole rig and have your hand on its emergency stop; required");
   moving->callback([options, &code] { code = move(*options); });
 }
 
@@ -281,12 +291,11 @@ void add_drive(CLI::App& app, ExitCode& code) {
   verb->fallthrough();
   verb->add_subcommand("status", "Print state, mode, error, position, velocity, torque.")
       ->callback([options, &code] { code = print_status(*options); });
-  verb->add_subcommand("reset", "Reset a fault, and say what remains of it.")->callback([options, &code] {
+  verb->add_subcommand("reset", "Reset a fault, and print the remaining error.")->callback([options, &code] {
     code = reset(*options);
   });
-  verb->add_subcommand("quick-stop", "Brake as 605Ah says, then off.")->callback([options, &code] {
-    code = quick_stop(*options);
-  });
+  verb->add_subcommand("quick-stop", "Brake as 605Ah prescribes, then turn the drive off.")
+      ->callback([options, &code] { code = quick_stop(*options); });
   add_home(*verb, options, code);
   add_move(*verb, options, code);
 }

@@ -1,4 +1,4 @@
-// godobject encoder: one CiA 406 encoder, looked at and set to zero.
+// godobject encoder: prints the state of one CiA 406 encoder, and sets its position.
 #include <cstdio>
 #include <memory>
 
@@ -32,11 +32,11 @@ ExitCode open(NodeDialogue& node) {
   constexpr unsigned profile = 406;
   const auto found = static_cast<unsigned>(*type & 0xFFFF);
   if (found == profile) return ExitCode::ok;
-  std::fprintf(stderr, "node %d: is no CiA 406 encoder: its profile (1000h) is %u\n", node.node(), found);
+  std::fprintf(stderr, "node %d: is not a CiA 406 encoder: its profile (1000h) is %u\n", node.node(), found);
   return ExitCode::fault;
 }
 
-/// The bits that are on, in words.
+/// Returns the texts of the set bits.
 std::string bits_text(std::int64_t bits, std::span<const cia406::BitText> texts) {
   if (bits == 0) return "none";
   std::string text;
@@ -51,7 +51,7 @@ std::string bits_text(std::int64_t bits, std::span<const cia406::BitText> texts)
   return text;
 }
 
-/// Lines of a status; "-" for an object that the encoder does not have.
+/// Prints lines of a status, with "-" for an object that the encoder does not have.
 class StatusLines {
  public:
   explicit StatusLines(NodeDialogue& node) : node_(node) {}
@@ -65,7 +65,7 @@ class StatusLines {
   void print_name(const char* label, canopen::ObjectAddress address) {
     if (complete_) print_text(label, node_.read_text(address));
   }
-  /// All objects were answered for.
+  /// True if the node answered for all objects.
   bool complete() const { return complete_; }
 
  private:
@@ -104,7 +104,8 @@ ExitCode print_status(const EncoderOptions& options) {
   return lines.complete() ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Counts after which the position begins anew, 0: unknown, 2^32. None: no answer.
+/// Returns the counts after which the position wraps; 0: unknown, 2^32 assumed. Returns none if there is no
+/// answer.
 std::optional<std::uint64_t> read_modulus(NodeDialogue& node) {
   const auto value_of = [&node](const TypedObject& object) -> std::optional<std::int64_t> {
     const std::optional<std::int64_t> value = node.read(object);
@@ -127,13 +128,15 @@ bool may_preset(const EncoderOptions& options, const NodeDialogue& node, std::ui
     case cia406::PresetCheck::allowed: return true;
     case cia406::PresetCheck::armed:
       std::fprintf(stderr,
-                   "node %d: a host runs this bus (%s) and its joint would jump: stop it first, or give "
-                   "--despite-host if it has no motor armed\n",
+                   "node %d: a host runs this bus (%s) and would see the joint jump: stop the host first, or "
+                   "give --despite-host if it has no motor armed\n",
                    node.node(), node.host_seen().c_str());
       break;
     case cia406::PresetCheck::out_of_range:
-      std::fprintf(stderr, "node %d: %u is not below the encoder's range of %llu counts\n", node.node(),
-                   options.counts, static_cast<unsigned long long>(modulus));
+      std::fprintf(
+          stderr,
+          "node %d: the position %u is not below the encoder's range of %llu counts; give a smaller one\n",
+          node.node(), options.counts, static_cast<unsigned long long>(modulus));
       break;
   }
   return false;
@@ -149,26 +152,27 @@ ExitCode set_preset(const EncoderOptions& options) {
   if (!before || !node.write(preset, options.counts)) return node.report();
   const std::optional<std::int64_t> after = node.read(position);
   if (!after) return node.report();
-  std::printf(
-      "position %lld -> %lld counts; offset_counts and home of its joint in scenes are to be looked at\n",
-      static_cast<long long>(*before), static_cast<long long>(*after));
+  std::printf("position %lld -> %lld counts; now check offset_counts and home of its joint in your scenes\n",
+              static_cast<long long>(*before), static_cast<long long>(*after));
   return ExitCode::ok;
 }
 
 }  // namespace
 
 void add_encoder(CLI::App& app, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand("encoder", "Look at one CiA 406 encoder, or set its position.");
+  CLI::App* verb =
+      app.add_subcommand("encoder", "Print the state of one CiA 406 encoder, or set its position.");
   const auto options = std::make_shared<EncoderOptions>();
   add_node_options(*verb, options->node);
   verb->require_subcommand(1);
   verb->fallthrough();
   verb->add_subcommand("status", "Print identity, position, speed, resolution, alarms, warnings.")
       ->callback([options, &code] { code = print_status(*options); });
-  CLI::App* setting = verb->add_subcommand("preset", "The position where it stands becomes COUNTS (6003h).");
-  setting->add_option("COUNTS", options->counts, "below the encoder's range")->required();
+  CLI::App* setting = verb->add_subcommand("preset", "Set the present position to COUNTS (6003h).");
+  setting->add_option("COUNTS", options->counts, "set this position, counts, below the encoder's range")
+      ->required();
   setting->add_flag("--despite-host", options->despite_host,
-                    "also while a host runs the bus, with no motor armed");
+                    "set it even while a host runs the bus, with no motor armed");
   setting->callback([options, &code] { code = set_preset(*options); });
 }
 

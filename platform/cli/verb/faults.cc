@@ -1,4 +1,4 @@
-// godobject faults: what every fault means and what to do about it.
+// godobject faults: prints meaning and remedy of every fault.
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -16,24 +16,27 @@ struct FaultGroup {
 };
 
 std::vector<FaultGroup> fault_groups() {
-  FaultGroup core{.title = "core: something was lost in a step", .faults = {}};
+  FaultGroup core{.title = "core: a step was not taken, or was taken with less than the scene describes",
+                  .faults = {}};
   for (const CoreFaultText& fault : core_fault_texts) core.faults.push_back(fault.text);
-  FaultGroup rig{.title = "rig: the torque runs down to zero and stays there until cleared and armed again",
-                 .faults = {}};
+  FaultGroup rig{
+      .title =
+          "rig: the torque runs down to zero, until the faults are cleared and the device is armed again",
+      .faults = {}};
   for (const RigFaultText& fault : rig_fault_texts())
     rig.faults.push_back({.name = fault.name, .meaning = fault.meaning, .remedy = fault.remedy});
-  const FaultGroup run{.title = "run: of godobject run itself",
+  const FaultGroup run{.title = "run: faults of godobject run itself",
                        .faults = {run_fault_texts.begin(), run_fault_texts.end()}};
   return {core, rig, run};
 }
 
 void print_fault(const FaultText& fault) {
-  std::printf("  %.*s\n    what: %.*s\n    do:   %.*s\n", static_cast<int>(fault.name.size()),
+  std::printf("  %.*s\n    meaning: %.*s\n    remedy:  %.*s\n", static_cast<int>(fault.name.size()),
               fault.name.data(), static_cast<int>(fault.meaning.size()), fault.meaning.data(),
               static_cast<int>(fault.remedy.size()), fault.remedy.data());
 }
 
-/// Nothing printed and usage where no fault is called `name`; empty: all.
+/// Prints the fault `name`, or all if it is empty. Returns usage if no fault has this name.
 ExitCode show_faults(const std::string& name) {
   std::vector<std::string_view> names;
   bool any_shown = false;
@@ -49,7 +52,7 @@ ExitCode show_faults(const std::string& name) {
   }
   if (any_shown) return ExitCode::ok;
   const auto nearest = nearest_name(name, names);
-  std::fprintf(stderr, "no fault is called '%s'%s; godobject faults lists all\n", name.c_str(),
+  std::fprintf(stderr, "unknown fault '%s'%s; godobject faults lists all\n", name.c_str(),
                nearest ? ("; did you mean '" + std::string(*nearest) + "'?").c_str() : "");
   return ExitCode::usage;
 }
@@ -57,9 +60,9 @@ ExitCode show_faults(const std::string& name) {
 }  // namespace
 
 void add_faults(CLI::App& app, ExitCode& code) {
-  CLI::App* verb = app.add_subcommand("faults", "What each fault means and what to do about it.");
+  CLI::App* verb = app.add_subcommand("faults", "Explain each fault and its remedy.");
   const auto name = std::make_shared<std::string>();
-  verb->add_option("NAME", *name, "one fault; by default all");
+  verb->add_option("NAME", *name, "explain this fault; default: all");
   verb->callback([name, &code] { code = show_faults(*name); });
 }
 

@@ -1,4 +1,4 @@
-// godobject lss: node-ID and bit rate of a CANopen node that cannot be reached by its node-ID yet.
+// godobject lss: sets node-ID and bit rate of a CANopen node without a usable node-ID.
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -18,16 +18,16 @@ struct LssOptions {
   int node_id = 1;
   double new_bit_rate = 0;
   std::optional<int> activate_ms;
-  bool alone = false;  // no node but this one is on the bus: nobody is asked
+  bool alone = false;  // true: no other node is on the bus, and none is searched
 };
 
-/// An object that every node has.
+/// Requests an object that every node has.
 CanFrame device_type_request(std::uint8_t node) {
   return sdo::make_frame(sdo::request_cob_id(node),
                          sdo::make_plain(sdo::Request::initiate_upload, {0x1000, 0}));
 }
 
-/// The services of one call, in their order; the first that fails ends it.
+/// The services of one call, in their order; the first failure ends it.
 class LssCall {
  public:
   explicit LssCall(const LssOptions& options) : options_(options), master_(options.dialogue.timeout_ns()) {}
@@ -38,8 +38,9 @@ class LssCall {
     return bus_.open(options_.dialogue, answers);
   }
 
-  /// The node-IDs from which an SDO request is answered, once for each answer. Each has an identifier of its own, so
-  /// that many may answer; the answers to LSS share one, and many of them destroy each other.
+  /// Returns the node-IDs that answer an SDO request, once per answer. Their answers have identifiers of
+  /// their own and cannot collide. Answers to LSS share one identifier, and several of them destroy each
+  /// other.
   std::vector<std::uint32_t> present() {
     constexpr Nanoseconds sending_limit = 5'000'000'000;
     std::vector<std::uint32_t> ids;
@@ -61,7 +62,7 @@ class LssCall {
     return ids;
   }
 
-  /// To configuration mode: the node with this identity, or all there are.
+  /// Switches the node with this identity, or all nodes, to configuration mode.
   bool select() {
     if (options_.identity.empty())
       return run(master_.switch_global(lss::Mode::configuration), lss::Command::switch_global);
@@ -79,7 +80,7 @@ class LssCall {
     return run(master_.set_bit_timing(index), lss::Command::set_bit_timing);
   }
   bool store() { return run(master_.store(), lss::Command::store); }
-  /// One answer of each node in configuration mode; none where nobody knows the inquiry.
+  /// Returns one answer of each node in configuration mode; empty if none supports the inquiry.
   std::vector<std::uint32_t> inquire(lss::Command command) {
     if (!master_.inquire(command)) return {};
     run_bus();
@@ -111,15 +112,15 @@ class LssCall {
         return "rejected: error " + std::to_string(master_.error_code()) + ", " +
                lss::text_of(command, master_.error_code());
       case lss::Outcome::not_sent:
-        return "the bus did not take the request: is another node on it that acknowledges, at this bit rate?";
+        return "the bus did not take the request: check that another node acknowledges frames at this bit "
+               "rate";
       default: break;
     }
     const std::string who = options_.identity.empty()
-                                ? "is exactly one node on the bus"
-                                : "has a node this identity (godobject sdo read 1018:01 "
-                                  "to :04)";
+                                ? "check that exactly one node is on the bus"
+                                : "check that a node has this identity (godobject sdo read 1018:01 to :04)";
     return "no answer within " + CLI::detail::to_string(options_.dialogue.timeout) + " s: " + who +
-           ", is it powered, has the bus this bit rate, and does the node know LSS?";
+           ", that it is powered, that the bus has this bit rate, and that the node supports LSS";
   }
 
   const LssOptions& options_;
@@ -127,37 +128,36 @@ class LssCall {
   BusDialogue bus_;
 };
 
-ExitCode say(bool ok, const char* what) {
+ExitCode print_outcome(bool ok, const char* what) {
   if (ok) std::printf("%s\n", what);
   return ok ? ExitCode::ok : ExitCode::fault;
 }
 
-/// Whether the ID goes to one node: that with the identity, or the only one on the bus.
+/// True if the ID would go to one node: that with the identity, or the only one on the bus.
 bool is_only_one(LssCall& call, const LssOptions& options) {
   if (options.alone || !options.identity.empty()) return true;
   const std::vector<std::uint32_t> ids = call.present();
   if (ids.size() <= 1) return true;
   std::string list;
   for (const std::uint32_t id : ids) list += (list.empty() ? "" : ", ") + std::to_string(id);
-  std::fprintf(
-      stderr,
-      "lss: %zu nodes are on the bus, and each would get the ID %d: %s. Address one by its identity, "
-      "--select "
-      "VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), or take the others off "
-      "the bus. Nothing was changed.\n",
-      ids.size(), options.node_id, list.c_str());
+  std::fprintf(stderr,
+               "lss: %zu nodes are on the bus, and each would get the ID %d: %s. Address one by its identity "
+               "with --select VENDOR PRODUCT REVISION SERIAL (godobject sdo --node ID read 1018:01 to :04), "
+               "or take the others off the bus. Nothing was changed.\n",
+               ids.size(), options.node_id, list.c_str());
   return false;
 }
 
-/// Nodes without a node-ID answer no SDO; they all answer the inquiry alike, in one voice or one after the other.
+/// True if at most one node has no node-ID. Such nodes answer no SDO, but all answer the inquiry with equal
+/// frames, at once or in turn.
 bool is_only_one_without_id(LssCall& call, const LssOptions& options) {
   if (options.alone || !options.identity.empty()) return true;
   const std::size_t num_nodes = call.inquire(lss::Command::inquire_node_id).size();
   if (num_nodes > 1)
-    std::fprintf(
-        stderr,
-        "lss: %zu nodes listen: take all but one off the bus, or --select one. Nothing was changed.\n",
-        num_nodes);
+    std::fprintf(stderr,
+                 "lss: %zu nodes would get the ID: take all but one off the bus, or address one with "
+                 "--select. Nothing was changed.\n",
+                 num_nodes);
   return num_nodes <= 1;
 }
 
@@ -170,15 +170,18 @@ ExitCode set_node_id(const LssOptions& options) {
     return ExitCode::fault;
   }
   const bool ok = call.set_node_id(options.node_id) && call.leave();
-  return say(
-      ok, "set; in effect when the node's communication is reset; lost without power: godobject lss store");
+  return print_outcome(
+      ok,
+      "set; in effect after the node's communication is reset; to keep it without power: godobject "
+      "lss store");
 }
 
 ExitCode set_bit_rate(const LssOptions& options) {
   const std::optional<std::uint8_t> index = lss::bit_timing_index(options.new_bit_rate);
   if (!index) {
     std::fprintf(stderr,
-                 "bit rate %g: CiA 305 has 1000000, 800000, 500000, 250000, 125000, 50000, 20000, 10000\n",
+                 "bit rate %g bit/s is not one of CiA 305: 1000000, 800000, 500000, 250000, 125000, 50000, "
+                 "20000, 10000\n",
                  options.new_bit_rate);
     return ExitCode::usage;
   }
@@ -186,18 +189,19 @@ ExitCode set_bit_rate(const LssOptions& options) {
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
   bool ok = call.select() && call.set_bit_timing(*index);
   if (options.activate_ms) {
-    // From here on this side has the wrong rate: the node cannot be told to leave the configuration mode.
+    // This side has the wrong rate from here on, so it cannot switch the node out of configuration mode.
     ok = ok && call.store() && call.activate(*options.activate_ms);
-    return say(ok, "stored and activated: set the interface to the new bit rate, and reset the node");
+    return print_outcome(ok,
+                         "stored and activated: set the interface to the new bit rate, and reset the node");
   }
   ok = ok && call.leave();
-  return say(ok, "set; in effect when it is stored (godobject lss store) and the node's power has been off");
+  return print_outcome(ok, "set; in effect once stored (godobject lss store) and the node's power was off");
 }
 
 ExitCode store(const LssOptions& options) {
   LssCall call(options);
   if (const ExitCode code = call.open(); code != ExitCode::ok) return code;
-  return say(call.select() && call.store() && call.leave(), "stored");
+  return print_outcome(call.select() && call.store() && call.leave(), "stored");
 }
 
 }  // namespace
@@ -209,25 +213,28 @@ void add_lss(CLI::App& app, ExitCode& code) {
   const auto options = std::make_shared<LssOptions>();
   add_dialogue_options(*verb, options->dialogue);
   verb->add_option("--select", options->identity,
-                   "identity 1018h of the node: VENDOR PRODUCT REVISION SERIAL")
+                   "address the node with this identity 1018h: VENDOR PRODUCT REVISION SERIAL")
       ->expected(4);
   verb->require_subcommand(1);
   verb->fallthrough();
 
-  CLI::App* node_id = verb->add_subcommand("node-id", "Give the node an ID.");
-  node_id->add_option("ID", options->node_id, "1 to 127")->required()->check(CLI::Range(1, 127));
-  node_id->add_flag("--alone", options->alone, "do not ask who is on the bus");
+  CLI::App* node_id = verb->add_subcommand("node-id", "Set the node's ID.");
+  node_id->add_option("ID", options->node_id, "set this node-ID, 1 to 127")
+      ->required()
+      ->check(CLI::Range(1, 127));
+  node_id->add_flag("--alone", options->alone, "skip the search for other nodes on the bus");
   node_id->callback([options, &code] { code = set_node_id(*options); });
 
-  CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Give the node a bit rate.");
-  bit_rate->add_option("RATE", options->new_bit_rate, "bit/s")->required();
+  CLI::App* bit_rate = verb->add_subcommand("bit-rate", "Set the node's bit rate.");
+  bit_rate->add_option("RATE", options->new_bit_rate, "set this bit rate, bit/s")->required();
   bit_rate
       ->add_option("--activate", options->activate_ms,
-                   "store it and change to it now: silent for so many ms before and after the change")
+                   "store the rate and change to it now, with this silence before and after the change, ms")
       ->check(CLI::Range(1, 65535));
   bit_rate->callback([options, &code] { code = set_bit_rate(*options); });
 
-  CLI::App* storing = verb->add_subcommand("store", "Let the node keep its settings without power.");
+  CLI::App* storing =
+      verb->add_subcommand("store", "Store the node's settings, so that they survive a loss of power.");
   storing->callback([options, &code] { code = store(*options); });
 }
 

@@ -1,4 +1,4 @@
-// godobject monitor: what goes over the buses, decoded.
+// godobject monitor: prints the messages on buses, decoded.
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -28,10 +28,10 @@ struct MonitorOptions {
   double bit_rate = 0;  // 0: the scene's, else 1 Mbit/s
   std::optional<double> duration;
   bool plain = false;
-  FaultChecks faults{};  // of what the program simulates
+  FaultChecks faults{};  // simulation of the program
 };
 
-/// The buses in the order of the options, with what the table says of each.
+/// Buses in the order of the options, and the table of their messages.
 struct Monitor {
   std::optional<RigParams> rig;
   std::vector<const BusBackend*> backends;
@@ -48,12 +48,12 @@ bool load_rig(const std::string& path, const FaultChecks& checks, std::optional<
     rig = std::move(loaded.scene->device->rig);
     return true;
   }
-  std::fprintf(stderr, "--scene: '%s' describes no buses\n", path.c_str());
+  std::fprintf(stderr, "--scene: scene '%s' describes no buses\n", path.c_str());
   return false;
 }
 
-/// "can1=replay:run.log": the scene's bus of that name; without a name the buses go in the scene's order.
-/// None: there is no such bus.
+/// Returns the index of the scene's bus and removes its name from `text`: "can1=replay:run.log" is bus can1.
+/// Without a name the buses follow the scene's order. Returns none if there is no such bus.
 std::optional<std::size_t> take_bus_of_scene(std::string& text, const std::optional<RigParams>& rig,
                                              std::size_t position) {
   const NamedAddress given = split_name(text, ':');
@@ -71,7 +71,7 @@ bool add_bus(const MonitorOptions& options, std::string text, Monitor& monitor,
   if (!of_scene) {
     std::fprintf(
         stderr, "--bus %s: %s\n", given.c_str(),
-        monitor.rig ? "the scene has no bus of that name" : "names are those of a scene: give --scene");
+        monitor.rig ? "the scene has no bus of that name" : "a name requires the scene's: give --scene");
     return false;
   }
   std::string error;
@@ -111,7 +111,7 @@ ExitCode open_buses(Monitor& monitor) {
   return ExitCode::ok;
 }
 
-/// Nothing will come any more: it is gone, or the log is at its end.
+/// True if the bus is gone or its log is at its end, so that no more frames arrive.
 bool has_ended(const Monitor& monitor, std::size_t i) {
   const BusState state = monitor.buses[i]->state();
   return state == BusState::gone || (state == BusState::down && !monitor.backends[i]->comes_back);
@@ -149,7 +149,7 @@ std::vector<std::string> screen(const Monitor& monitor) {
   return lines;
 }
 
-/// Over what was drawn before, cut to the size of the terminal.
+/// Draws over the previous table, cut to the size of the terminal.
 void redraw(const Monitor& monitor) {
   winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
   ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);
@@ -166,7 +166,7 @@ void redraw(const Monitor& monitor) {
   std::fflush(stdout);
 }
 
-/// Until `until` at the latest.
+/// Waits for frames, at most until `until`.
 void wait(const Monitor& monitor, Nanoseconds until) {
   std::vector<pollfd> waiting;
   for (std::size_t i = 0; i < monitor.buses.size(); ++i)
@@ -222,19 +222,19 @@ ExitCode run_monitor(const MonitorOptions& options) {
 
 void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "monitor", "What goes over buses or is in logs: a table of the messages, decoded, with their periods.");
+      "monitor", "Print a table of the decoded messages of buses or logs, with their periods.");
   const auto options = std::make_shared<MonitorOptions>();
   options->faults = checks;
   verb->add_option("--bus", options->buses,
-                   "socketcan:IFACE, slcan:PATH, board:PATH, pty: or replay:FILE[,IFACE]; several in the "
-                   "order of the scene's "
-                   "buses, or each as NAME=ADDRESS; see docs/buses.md")
+                   "read this bus: socketcan:IFACE, slcan:PATH, board:PATH, pty: or replay:FILE[,IFACE]; "
+                   "several in the order of the scene's buses, or each as NAME=ADDRESS; see docs/buses.md")
       ->required();
-  verb->add_option("--scene", options->scene, "scene file whose joints the messages are named after");
-  verb->add_option("--bit-rate", options->bit_rate, "bit/s, where no scene gives it (1000000)")
+  verb->add_option("--scene", options->scene, "name the messages after the joints of this scene file");
+  verb->add_option("--bit-rate", options->bit_rate,
+                   "set the bit rate where no scene gives it, bit/s (1000000)")
       ->check(CLI::PositiveNumber);
   verb->add_option("--duration", options->duration,
-                   "s; by default until a key stops it (Ctrl-C) or the log ends")
+                   "end after this time, s; default: until Ctrl-C, or the end of the log")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--plain", options->plain, "print the table once, at the end");
   verb->callback([options, &code] { code = run_monitor(*options); });

@@ -1,4 +1,4 @@
-// godobject run: a scene, its device and its motion, for a while.
+// godobject run: runs a scene with its device and its motion.
 #include <unistd.h>
 
 #include <chrono>
@@ -25,7 +25,8 @@ void print_lines(std::FILE* out, const char* before, const std::vector<std::stri
   for (const std::string& line : lines) std::fprintf(out, "%s%s\n", before, line.c_str());
 }
 
-/// All at once, to a file or a terminal that is waited for 2 s at most. Empty, or why not.
+/// Writes all text at once to a file or a terminal, waiting at most 2 s. Returns why this failed; empty on
+/// success.
 template <class File>
 std::string write_whole(const File& to, const std::string& text) {
   constexpr std::chrono::seconds patience{2};
@@ -39,7 +40,7 @@ std::string write_report(const std::string& path, const RunReport& report) {
                      to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
-/// What the run says at its end: the summary, or only what is wrong.
+/// Returns the text at the end of the run: the summary, or with --quiet the faults alone.
 std::string summary_of(const RunReport& report) {
   char* text = nullptr;
   std::size_t size = 0;
@@ -53,7 +54,7 @@ std::string summary_of(const RunReport& report) {
   return summary;
 }
 
-/// On real buses the stamps of frames are those of the monotonic clock; logs have the time of day.
+/// Returns the time of day minus the monotonic clock, whose time stamps the frames of real buses have.
 Nanoseconds log_origin_ns() {
   const auto day = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(day).count() - MonotonicClock{}.now();
@@ -100,14 +101,17 @@ ExitCode run(RunOptions options) {
       options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
                        : run_fast(session, prepared.plan, files);
   if (!result) {
-    std::fputs("--realtime: this machine lets the program start no thread\n", stderr);
+    std::fputs(
+        "--realtime: the program cannot start a thread on this machine; raise the limits of processes and "
+        "memory (ulimit -u, ulimit -v)\n",
+        stderr);
     return ExitCode::not_available;
   }
   if (prepared.log && result->statistics.cycles < prepared.plan.num_cycles && prepared.log->ended() &&
       !options.quiet)
     print_lines(stderr, "note: ", {"the log ended after step " + std::to_string(result->statistics.cycles)});
   const StopSignals closing(
-      Suspension::stops);  // the motors are off: files and summary are completed all the same
+      Suspension::stops);  // The motors are off; files and summary are completed all the same.
   RunReport report = make_report(options, prepared, *result, files.close());
   report.wall_origin_ns = wall_origin_ns;
   if (!options.report.empty())
@@ -127,40 +131,37 @@ ExitCode run(RunOptions options) {
 void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
   auto* realtime = verb.add_flag("--realtime", options.realtime,
-                                 "in wall time: one cycle a period, on a real-time thread, with a live "
-                                 "status line; real buses imply it");
-  verb.add_flag(
-          "--fast", options.fast,
-          "on a simulated clock, as fast as the machine allows, bit-identical each time; not with --realtime "
-          "(default)")
+                                 "run in wall time: one cycle per period on a real-time thread, with a "
+                                 "status line; implied by real buses");
+  verb.add_flag("--fast", options.fast,
+                "run on a simulated clock, as fast as the machine allows, with bit-identical results "
+                "(default); excludes --realtime")
       ->excludes(realtime);
   verb.add_flag("--strict", options.strict,
                 "refuse a scene with a driven axis that is not passive; see godobject check");
   verb.add_option("--duration", options.duration,
-                  "s; default: the motion file's end, else the scene's duration")
+                  "run for this time, s; default: the motion file's end, else the scene's duration")
       ->check(number_above(0, 1e6));
-  verb.add_option(
-          "--bus", options.buses,
-          "sim (default): simulated device; direct: no device, the motion drives the core; ADDRESS or "
-          "NAME=ADDRESS: real bus, once for each bus of the scene. ADDRESS is socketcan:can0, "
-          "slcan:/dev/ttyACM0, board:/dev/ttyACM1, replay:FILE, or pty: for a new pseudo-terminal. See "
-          "docs/running.md")
+  verb.add_option("--bus", options.buses,
+                  "select the device. sim (default): simulated device; direct: no device, the motion drives "
+                  "the core; ADDRESS or NAME=ADDRESS: real bus, once for each bus of the scene. ADDRESS is "
+                  "socketcan:can0, slcan:/dev/ttyACM0, board:/dev/ttyACM1, replay:FILE, or pty: for a new "
+                  "pseudo-terminal. See docs/running.md")
       ->type_name("BUS")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  verb.add_option("--tracker", options.trackers,
-                  "where the trackers are: NAME=PORT, once for each tracker of the scene, a real one on this "
-                  "serial line; scene, on the scene's own ports; without this option they are simulated. See "
-                  "docs/trackers.md")
+  verb.add_option(
+          "--tracker", options.trackers,
+          "use real trackers. NAME=PORT, once for each tracker of the scene: on this serial line; scene: on "
+          "the scene's own ports. Without this option trackers are simulated. See docs/trackers.md")
       ->type_name("TRACKER")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   verb.add_option_function<std::string>(
           "--spacemouse", [&options](const std::string& socket) { options.spacemouse = socket; },
-          "the scene's SpaceMouse leads, until the run is stopped: spacenavd is reached on this socket; "
-          "default: "
-          "$SPNAV_SOCKET, or /run/spnav.sock. Without this option the scene's motion leads. See "
-          "docs/trackers.md")
+          "move the tool with the scene's SpaceMouse, until the run is stopped. SOCKET is that of spacenavd; "
+          "default: $SPNAV_SOCKET, or /run/spnav.sock. Without this option the scene's motion moves the "
+          "tool. See docs/trackers.md")
       ->type_name("[SOCKET]")
       ->expected(0, 1);
   verb.add_option_function<std::string>(
@@ -168,62 +169,58 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
           [&options](const std::string& when) {
             options.rearm = when == "auto" ? Rearm::automatic : Rearm::never;
           },
-          "after a fault of the device: never, no torque any more (default); auto, once its buses are back "
-          "its "
-          "nodes are set up and booted, and the motors are ARMED again")
+          "select the action after a fault of the device. never (default): the torque stays off; auto: once "
+          "its buses are back, set up and boot its nodes and ARM the motors again")
       ->check(CLI::IsMember({"never", "auto"}));
-  verb.add_option(
-          "--motion", options.motion,
-          "what the hand does, in place of the scene's motion: a CSV of the target's poses or the device's "
-          "joints over time, and of letting go and the clutch")
+  verb.add_option("--motion", options.motion,
+                  "read the motion of the hand from this file instead of the scene: a CSV over time of "
+                  "target poses or joint coordinates, and of grip and clutch")
       ->type_name("FILE");
-  verb.add_option("--integrator", options.integrator, "in place of the scene's")
+  verb.add_option("--integrator", options.integrator, "use this integrator instead of the scene's")
       ->check(CLI::IsMember(std::vector<std::string>(integrator_names.begin(), integrator_names.end())));
-  verb.add_option("--step", options.step, "s, in place of the scene's")->check(number_in(1e-6, 0.1));
+  verb.add_option("--step", options.step, "use this step instead of the scene's, s")
+      ->check(number_in(1e-6, 0.1));
   verb.add_option("--trace", options.files.trace,
-                  "CSV to write: bodies, wrenches, target, energy, faults at every step")
+                  "write a CSV of bodies, wrenches, target, energy and faults at every step")
       ->type_name("FILE");
-  verb.add_option(
-          "--trace-every", options.files.trace_every,
-          "of --trace and --contacts: only every N-th step, and those in which a fault comes up or ends")
+  verb.add_option("--trace-every", options.files.trace_every,
+                  "write to --trace and --contacts only every N-th step, and the steps in which a fault "
+                  "begins or ends")
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000));
   verb.add_option("--contacts", options.files.contacts,
-                  "CSV to write: every contact at every step: body, on what, point, normal, force")
+                  "write a CSV of every contact at every step: body, other side, point, normal, force")
       ->type_name("FILE");
   verb.add_option("--nets", options.files.nets,
-                  "CSV to write: where every node of every net is, a row a frame")
+                  "write a CSV of the positions of all nodes of all nets, one row per frame")
       ->type_name("FILE");
-  verb.add_option("--nets-every", options.files.nets_every, "of --nets: a frame every N-th step")
+  verb.add_option("--nets-every", options.files.nets_every, "write to --nets a frame every N-th step")
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   verb.add_option("--record", options.files.record,
-                  "log to write: every frame on every bus, in candump's format")
+                  "write a log of every frame on every bus, in candump's format")
       ->type_name("FILE");
-  verb.add_option("--report", options.report,
-                  "JSON to write: everything the summary shows, and the histograms")
+  verb.add_option("--report", options.report, "write a JSON of everything in the summary, and the histograms")
       ->type_name("FILE");
   verb.add_option_function<std::string>(
           "--view",
           [&options](const std::string& port) {
             options.view = static_cast<std::uint16_t>(std::stoul("0" + port));
           },
-          "serve a page that shows the run, at the address that is printed, on this machine alone; port: "
-          "7780, or the "
-          "next free one. The run is in wall time, unless --fast is given. See docs/view.md")
+          "serve a page that shows the run, on this machine only, and print its address; default port: 7780, "
+          "or the next free one. The run is in wall time, unless --fast is given. See docs/view.md")
       ->type_name("[PORT]")
       ->expected(0, 1)
       ->check(port_number());
-  verb.add_option(
-          "--view-address", options.view_address,
-          "listen on this address instead of 127.0.0.1: whoever reaches it and has the token sees the run")
+  verb.add_option("--view-address", options.view_address,
+                  "listen on this address instead of 127.0.0.1: everybody who reaches it and has the token "
+                  "sees the run")
       ->type_name("ADDRESS");
-  verb.add_flag(
-      "--view-input", options.view_input,
-      "the pointer in the page is the device: it takes hold of coupled bodies and moves them; without "
-      "buses, until the run is stopped");
-  verb.add_flag("--quiet", options.quiet, "print only warnings and faults; the exit code says the rest");
+  verb.add_flag("--view-input", options.view_input,
+                "use the pointer in the page as the device: it grips coupled bodies and moves them; without "
+                "buses, until the run is stopped");
+  verb.add_flag("--quiet", options.quiet, "print only warnings and faults; see the exit code");
 }
 
 void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {

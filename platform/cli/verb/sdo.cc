@@ -1,4 +1,4 @@
-// godobject sdo: one object of one CANopen node, read or written.
+// godobject sdo: reads or writes one object of one CANopen node.
 #include <cstdio>
 #include <memory>
 
@@ -32,8 +32,10 @@ ExitCode transfer(const SdoOptions& options, sdo::Client& client, const std::str
 std::optional<canopen::ObjectAddress> address_of(const SdoOptions& options) {
   const auto address = parse_object_address(options.object);
   if (!address)
-    std::fprintf(stderr, "'%s' is no object: write INDEX or INDEX:SUB in hexadecimal, as 6077 or 1018:01\n",
-                 options.object.c_str());
+    std::fprintf(
+        stderr,
+        "'%s' is not an object address: write INDEX or INDEX:SUB in hexadecimal, as 6077 or 1018:01\n",
+        options.object.c_str());
   return address;
 }
 
@@ -60,7 +62,7 @@ ExitCode write(const SdoOptions& options) {
   const auto bytes = parse_value(options.value, options.type, error);
   sdo::Client client(static_cast<std::uint8_t>(options.node), options.dialogue.timeout_ns());
   if (!bytes || !client.write(*address, *bytes)) {
-    if (error.empty()) error = "a value has 1 to " + std::to_string(sdo::Client::capacity) + " bytes";
+    if (error.empty()) error = "the value must have 1 to " + std::to_string(sdo::Client::capacity) + " bytes";
     std::fprintf(stderr, "%s\n", error.c_str());
     return ExitCode::usage;
   }
@@ -73,14 +75,18 @@ void add_sdo(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("sdo", "Read or write one object of a CANopen node.");
   const auto options = std::make_shared<SdoOptions>();
   add_dialogue_options(*verb, options->dialogue);
-  verb->add_option("--node", options->node, "node-ID, 1 to 127")->required()->check(CLI::Range(1, 127));
+  verb->add_option("--node", options->node, "address this node-ID, 1 to 127")
+      ->required()
+      ->check(CLI::Range(1, 127));
   verb->require_subcommand(1);
   verb->fallthrough();
   constexpr const char* object_help = "INDEX or INDEX:SUB, hexadecimal, as 6077 or 1018:01";
 
   CLI::App* reading = verb->add_subcommand("read", "Print an object's value.");
   reading->add_option("OBJECT", options->object, object_help)->required();
-  reading->add_option("--type", options->type, "how to print it; by default as all it may be")
+  reading
+      ->add_option("--type", options->type,
+                   "print the value as this type; default: as every type of its size")
       ->check(CLI::IsMember(value_type_names()));
   reading->callback([options, &code] { code = read(*options); });
 
@@ -88,7 +94,8 @@ void add_sdo(CLI::App& app, ExitCode& code) {
   writing->add_option("OBJECT", options->object, object_help)->required();
   writing->add_option("VALUE", options->value, "decimal, or hexadecimal with 0x; hex: bytes in their order")
       ->required();
-  writing->add_option("--type", options->type, "of the object: it must have this size")
+  writing
+      ->add_option("--type", options->type, "write the value as this type, which must have the object's size")
       ->required()
       ->check(CLI::IsMember(value_type_names()));
   writing->callback([options, &code] { code = write(*options); });

@@ -1,4 +1,4 @@
-// godobject view: a trace, a recording of buses or a scene to look at, in a browser or as a picture.
+// godobject view: shows a trace, a recording of buses or a scene, in a browser or as a picture.
 #include <unistd.h>
 
 #include <chrono>
@@ -27,15 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double picture_rate_hz = 12;  // of an animation
+constexpr double picture_rate_hz = 12;  // rate of an animation
 
 struct ViewOptions {
   std::string file, scene, picture, nets;
   std::optional<double> time;      // s
-  std::optional<double> duration;  // s, of an animation
+  std::optional<double> duration;  // s, length of an animation
   std::uint16_t port = 0;
   std::string address = "127.0.0.1";
-  FaultChecks faults{};  // of what the program simulates
+  FaultChecks faults{};  // simulation of the program
   std::vector<std::uint32_t> size{960, 600};
 };
 
@@ -46,8 +46,8 @@ int complain(const std::vector<std::string>& lines) {
 
 bool is(const std::string& path, const char* extension) { return fs::path(path).extension() == extension; }
 
-/// A file that the report beside a trace or a log names, by the report's keys; empty: there is none. Names are relative to
-/// the folder of the run, which the report has.
+/// Returns the path of a file named by the report beside a trace or a log, under these keys; empty if there
+/// is none. Paths in the report are relative to the folder of the run, which it names.
 std::string of_report(const std::string& file, const std::vector<std::string>& keys) {
   const fs::path folder = fs::path(file).parent_path();
   std::ifstream in(folder / "report.json");
@@ -67,12 +67,12 @@ std::string of_report(const std::string& file, const std::vector<std::string>& k
   return "";
 }
 
-/// Where the nodes of the trace's nets were: from --nets, or the file that the report beside the trace names. False: what
-/// was asked for does not fit.
+/// Reads the node positions of the trace's nets from --nets, or from the file named by the report beside the
+/// trace. Returns false if the file of --nets does not fit.
 bool add_nets(const ViewOptions& options, Recording& recording) {
   const bool is_trace = is(options.file, ".csv");
   if (!options.nets.empty() && !is_trace) {
-    complain({"--nets: goes with a trace (.csv); " + options.file + " is none"});
+    complain({"--nets: requires a trace (.csv) as FILE; " + options.file + " is not one"});
     return false;
   }
   std::string path = options.nets;
@@ -82,20 +82,20 @@ bool add_nets(const ViewOptions& options, Recording& recording) {
   NetRecordingResult result = read_nets(path, recording.scene);
   const double begin = recording.samples.front().record.t, end = recording.samples.back().record.t;
   if (result.nets && (result.nets->begin() > end || result.nets->end() < begin))
-    result.errors.push_back(path + ": its times do not meet those of " + options.file +
+    result.errors.push_back(path + ": its times do not overlap those of " + options.file +
                             ": is it of another run?");
   complain(result.errors);
   recording.nets = std::move(result.nets);
   return result.errors.empty() || options.nets.empty();
 }
 
-/// A run that a page's pointer led has the columns of one.
+/// Reads a trace of the scene, or, if its columns differ, of the scene moved by a page's pointer.
 RecordingResult read_trace_of(const std::string& path, const SceneConfig& scene) {
   RecordingResult result = read_trace(path, scene);
   if (result.recording) return result;
-  SceneConfig led = scene;
-  lead_by_pointer(led);
-  RecordingResult of_pointer = read_trace(path, led);
+  SceneConfig moved = scene;
+  lead_by_pointer(moved);
+  RecordingResult of_pointer = read_trace(path, moved);
   return of_pointer.recording ? of_pointer : result;
 }
 
@@ -105,8 +105,8 @@ std::optional<Recording> load(const ViewOptions& options) {
                            : !options.scene.empty() ? options.scene
                                                     : of_report(options.file, {"scene_file"});
   if (path.empty()) {
-    complain({options.file + ": of which scene is it? Give its file with --scene, or the run's --report "
-                             "beside it as report.json"});
+    complain({options.file + ": its scene is unknown: give the scene file with --scene, or put the run's "
+                             "--report beside it as report.json"});
     return std::nullopt;
   }
   const LoadResult loaded = load_scene(path, options.faults);
@@ -165,7 +165,7 @@ ExitCode serve(const ViewOptions& options, const Recording& recording) {
     return ExitCode::not_available;
   }
   complain(view_lines(server->url(), options.address));
-  std::fputs("view: Ctrl-C ends it\n", stderr);
+  std::fputs("view: press Ctrl-C to end it\n", stderr);
   while (!stop.requested()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   return ExitCode::ok;
 }
@@ -184,34 +184,34 @@ ExitCode view(const ViewOptions& options) {
 
 void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "view", "Look at a trace, a recording of buses or a scene, in a browser or as a picture.");
+      "view", "Show a trace, a recording of buses or a scene in a browser or as a picture.");
   const auto options = std::make_shared<ViewOptions>();
   options->faults = checks;
   verb->add_option("FILE", options->file,
-                   "a trace (.csv) of `run --trace`; a log of its buses, of `run --record`; or a scene "
-                   "(.toml) as it begins")
+                   "show this file: a trace of `run --trace` (.csv), a log of `run --record`, or the start "
+                   "of a scene (.toml)")
       ->required();
   verb->add_option("--scene", options->scene,
-                   "the scene of the trace or the log; default: the one that report.json beside it names")
+                   "use this scene for the trace or the log; default: the one named by report.json beside it")
       ->type_name("SCENE");
-  verb->add_option("--nets", options->nets,
-                   "where the nodes of the trace's nets were, of `run --nets`; default: the file that "
-                   "report.json beside the trace "
-                   "names. Without one nets are drawn where they rest on their bodies")
+  verb->add_option(
+          "--nets", options->nets,
+          "read the positions of the nets' nodes from this file of `run --nets`; default: the file named by "
+          "report.json beside the trace. Without one nets are drawn at rest on their bodies")
       ->type_name("FILE");
-  verb->add_option("--picture", options->picture,
-                   "leave a picture in this file instead, .png or .gltf, and end")
+  verb->add_option("--picture", options->picture, "write a picture to this file, .png or .gltf, and end")
       ->type_name("FILE");
-  verb->add_option("--time", options->time, "s, of the picture; default: the last instant")
+  verb->add_option("--time", options->time, "draw this instant, s; default: the last one")
       ->check(number_in(0, 1e9));
   verb->add_option("--duration", options->duration,
-                   "s, from --time or the beginning on: a picture that moves (.png)")
+                   "draw an animation (.png) of this length from --time or the beginning on, s")
       ->check(number_above(0, 60));
-  verb->add_option("--size", options->size, "of a picture, pixels: WIDTH HEIGHT")
+  verb->add_option("--size", options->size, "draw a picture of WIDTH HEIGHT pixels")
       ->expected(2)
       ->check(CLI::Range(16, 8192))
       ->type_name("N");
-  verb->add_option("--port", options->port, "of the page; default: 7780, or the next free one")
+  verb->add_option("--port", options->port,
+                   "serve the page on this port; default: 7780, or the next free one")
       ->check(CLI::Range(1, 65535))
       ->type_name("PORT");
   verb->add_option("--address", options->address, "listen on this address instead of 127.0.0.1")

@@ -1,4 +1,4 @@
-// From the text of --bus to a bus.
+// Makes a bus from the text of --bus.
 #include <algorithm>
 #include <array>
 
@@ -22,7 +22,7 @@ std::unique_ptr<LinuxBus> make_pty(const std::string&, const BusSettings& settin
   return std::make_unique<PtyBus>(settings);
 }
 
-// One row for each.
+// One row for each kind.
 constexpr std::array backends{
     BusBackend{.name = "socketcan",
                .where = "INTERFACE, e.g. socketcan:can0",
@@ -35,11 +35,11 @@ constexpr std::array backends{
                .where = "PATH[,BAUD], e.g. board:/dev/ttyACM0",
                .make = make<BoardBus>,
                .no_answers = "an encoder board has no objects",
-               .no_device = "an encoder board is a device, not a bus to play one on"},
+               .no_device = "an encoder board is a device, not a bus to simulate one on"},
     BusBackend{.name = "replay",
                .where = "FILE[,INTERFACE], e.g. replay:run.log",
                .make = make<ReplayBus>,
-               .no_answers = "a log gives no answers",
+               .no_answers = "a log does not answer requests",
                .is_file = true},
 };
 
@@ -65,11 +65,11 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
   const auto backend = std::ranges::find(backends, name, &BusBackend::name);
   error.assign("'").append(text).append("': ");
   if (backend == backends.end()) {
-    // The commonest slip: the bare name of what there is.
+    // The most frequent mistake: a bare path or interface name.
     if (colon == std::string::npos && name.starts_with('/')) {
-      error.append("say what it is: slcan:").append(text).append(" or replay:").append(text);
+      error.append("the bus kind is missing: give slcan:").append(text).append(" or replay:").append(text);
     } else if (colon == std::string::npos && (name.starts_with("can") || name.starts_with("vcan"))) {
-      error.append("say what it is: socketcan:").append(text);
+      error.append("the bus kind is missing: give socketcan:").append(text);
     } else {
       error += unknown_kind(name);
     }
@@ -77,14 +77,14 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
   }
   if (backend->where.empty() != where.empty()) {
     if (where.empty()) {
-      error.append(name).append(": is followed by ").append(backend->where);
+      error.append(name).append(": needs ").append(backend->where);
     } else {
-      error += "nothing follows pty: the system chooses the terminal, and its name is printed";
+      error += "pty takes no address: the system chooses the terminal, and its name is printed";
     }
     return std::nullopt;
   }
   if (where.size() > backend->max_where) {
-    error.append(name).append(": is followed by ").append(backend->where).append("; at most ");
+    error.append(name).append(": needs ").append(backend->where).append("; at most ");
     error += std::to_string(backend->max_where) + " characters";
     return std::nullopt;
   }

@@ -33,10 +33,10 @@ bool BoardBus::open() noexcept {
   if (!port_.open(address_.path, {.baud = address_.baud})) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
   waiting_fd_ = epoll_create1(EPOLL_CLOEXEC);
-  if (timer_fd_ < 0 || waiting_fd_ < 0) return fail("no timer to wait with");
+  if (timer_fd_ < 0 || waiting_fd_ < 0) return fail("no timer can be created");
   for (const int fd : {port_.descriptor(), timer_fd_}) {
     epoll_event event{.events = EPOLLIN, .data = {.fd = fd}};
-    if (epoll_ctl(waiting_fd_, EPOLL_CTL_ADD, fd, &event) != 0) return fail("it cannot be waited for");
+    if (epoll_ctl(waiting_fd_, EPOLL_CTL_ADD, fd, &event) != 0) return fail("epoll cannot wait for it");
   }
   return true;
 }
@@ -64,7 +64,7 @@ SendResult BoardBus::try_send(const CanFrame& frame) noexcept {
   else if (is_cut_off(state())) result = SendResult::down;
   ++(result == SendResult::queued ? counters_.sent : counters_.send_refused);
   if (result != SendResult::queued) return result;
-  read_port();  // the newest counts are those that wait there
+  read_port();  // to get the newest counts
   nodes_.send(frame, MonotonicClock{}.now());
   arm_timer();
   return result;
@@ -83,18 +83,19 @@ bool BoardBus::try_receive(ReceivedFrame& out) noexcept {
 }
 
 void BoardBus::read_port() noexcept {
-  constexpr int max_reads = 8;  // a bound on the time that one call takes
+  constexpr int max_reads = 8;  // bounds the time of one call
   std::array<std::uint8_t, 512> bytes{};
   for (int reads = 0; reads < max_reads; ++reads) {
     const std::size_t size = port_.read(bytes);
     if (size == 0) break;
     nodes_.receive({bytes.data(), size}, MonotonicClock{}.now());
   }
-  // A port that is gone is always readable: it would keep the loop awake.
+  // A missing port is always readable and would keep the loop awake.
   if (port_.state() != SerialState::open) epoll_ctl(waiting_fd_, EPOLL_CTL_DEL, port_.descriptor(), nullptr);
 }
 
-/// A timer that is set anew is not readable any more. Without anything on its way it is switched off.
+/// Sets the timer to the next answer of the nodes, or switches it off. Setting it makes it unreadable until
+/// then.
 void BoardBus::arm_timer() noexcept {
   itimerspec when{};
   if (const auto due = nodes_.next_due())
@@ -129,12 +130,13 @@ std::string BoardBus::trouble() const {
   const BusCounters counters = this->counters();
   if (board.frames == 0)
     return address_.path + ": no frame of an encoder board yet" +
-           (board.malformed > 0 ? ", but other bytes: is it one, and at " : ": is it one, and at ") +
-           std::to_string(address_.baud) + " baud? Another baud rate is given as PATH,BAUD";
+           (board.malformed > 0 ? ", but other bytes: check that it is one, and its rate of "
+                                : ": check that it is one, and its rate of ") +
+           std::to_string(address_.baud) + " baud; give another rate as PATH,BAUD";
   if (nodes_.silent(MonotonicClock{}.now()))
-    return address_.path + ": the board sends nothing, or less than 500 frames a second: look at its supply";
+    return address_.path + ": the board sends nothing, or fewer than 500 frames a second: check its supply";
   if ((nodes_.board().frame().status & board_status::overrun) != 0)
-    return address_.path + ": the board missed edges: its counts are off until it is referenced again";
+    return address_.path + ": the board missed edges: its counts are wrong until it is referenced again";
   if (counters.error_frames + counters.receive_overflow > 0)
     return address_.path + ": " + std::to_string(counters.error_frames) + " frames were broken and " +
            std::to_string(counters.receive_overflow) +

@@ -1,4 +1,5 @@
-// An encoder board on a serial port as a bus of CiA 406 encoders: `board:/dev/ttyACM0`. See hal/board/nodes.h.
+// An encoder board on a serial port as a bus of CiA 406 encoders: `board:/dev/ttyACM0`. See
+// hal/board/nodes.h.
 #pragma once
 
 #include <string>
@@ -10,13 +11,13 @@
 
 namespace godobject {
 
-/// Counters: error_frames are frames of the board that were broken (CRC, cut off), receive_overflow those missing in its
-/// sequence.
+/// Counters: error_frames are broken frames of the board (CRC, cut off), receive_overflow those missing in
+/// its sequence.
 class BoardBus final : public LinuxBus {
  public:
   static constexpr std::uint32_t default_baud = 921'600;
 
-  /// where: path of a serial port, and after a comma its baud rate where that is not 921600.
+  /// where: path of a serial port, optionally a comma and its baud rate, 921600 by default.
   BoardBus(const std::string& where, const BusSettings& settings);
   ~BoardBus() override { close(); }
 
@@ -27,7 +28,7 @@ class BoardBus final : public LinuxBus {
   BusState state() const noexcept override;
   BusCounters counters() const noexcept override;
 
-  /// Readable when the board has sent something, and when the nodes have.
+  /// Readable when the board has sent bytes, and when the nodes have sent frames.
   int descriptor() const noexcept override { return waiting_fd_; }
   std::string trouble() const override;
   std::string slowness() const override { return port_.slowness(); }
@@ -43,10 +44,10 @@ class BoardBus final : public LinuxBus {
   std::vector<CanFilter> filters_;
   SerialPort port_;
   BoardNodes nodes_;
-  int timer_fd_ = -1;    // for what is on its way from the nodes
+  int timer_fd_ = -1;    // for pending frames of the nodes
   int waiting_fd_ = -1;  // epoll on the port and the timer
   BusCounters counters_{};
-  BoardCounters earlier_{};  // of the times it was open before
+  BoardCounters earlier_{};  // of earlier openings
   std::string why_{};
 };
 

@@ -1,7 +1,4 @@
-// A CAN bus of this machine: one that a thread can wait on, made from an address on the command line.
-//
-// The room: socket_can.h, slcan.h, pty.h, board.h, replay.h implement it, address.cc makes one of them; watched.h records;
-// rig_filters.h says which frames a rig's buses let through. A new bus is a file here and a line in address.cc.
+// A CAN bus of this machine: a thread can wait on it, and an address on the command line makes it.
 #pragma once
 
 #include <memory>
@@ -16,47 +13,48 @@
 
 namespace godobject {
 
-/// The time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now(). Counters stay when a bus is
-/// closed and opened again.
+/// Time stamps of received frames are CLOCK_MONOTONIC, as MonotonicClock::now(). Counters are kept when a bus
+/// is closed and opened again.
 class LinuxBus : public CanBus {
  public:
-  /// Readable when try_receive may have something new; -1 while closed. For ppoll.
+  /// Readable when try_receive may have a new frame; -1 while closed. For ppoll.
   virtual int descriptor() const noexcept = 0;
-  /// Why open() failed or what state() other than error_active means here, and what to do about it; empty:
-  /// nothing is wrong. Allocates: not for the loop.
+  /// Returns the reason of a failed open() or the meaning of a state() other than error_active, and the
+  /// remedy. Empty if there is no trouble. Allocates: not for the loop.
   virtual std::string trouble() const = 0;
-  /// From now on every frame that comes by, with its time on the wire and in the order of the wire, from within
-  /// try_receive: those received, and own ones once they are seen complete. False: this bus does not see its
-  /// own frames, and shows nothing.
+  /// Reports every frame to the observer from within try_receive: received frames, and own ones once they are
+  /// seen complete. Frames come in the order of the wire, with their time on it. Returns false if this bus
+  /// does not see its own frames; it then reports none.
   [[nodiscard]] virtual bool observe(const FrameObserver&) noexcept { return false; }
-  /// Where other programs find it: the interface, the path of a terminal (of `pty:` once it is open), of a
-  /// log. Allocates.
+  /// Name for other programs: interface, path of a terminal (of `pty:` once it is open) or of a log.
+  /// Allocates.
   virtual std::string name() const { return {}; }
-  /// The bytes that hand a frame to descriptor() in one write, for when nothing else of the program works any more
-  /// (platform/rt/last_resort.h). Empty: it carries no such frame. Allocates.
+  /// Returns the bytes that send a frame by one write to descriptor(), for the last resort
+  /// (platform/rt/last_resort.h). Empty if the bus cannot carry the frame. Allocates.
   virtual std::string as_written(const CanFrame&) const { return {}; }
-  /// Reads and writes that the kernel kept, and what to do, as one line; empty: none. Allocates.
+  /// Returns one line on reads and writes that the kernel delayed, with the remedy; empty if there were none.
+  /// Allocates.
   virtual std::string slowness() const { return {}; }
-  /// The rest of a line that a write to descriptor() has cut off; null: this bus has no lines. Lives as long
-  /// as the bus.
+  /// Rest of a line that a write to descriptor() cut off; null if this bus has no lines. Lives as long as the
+  /// bus.
   virtual const LineRest* line_rest() const noexcept { return nullptr; }
 };
 
 struct BusSettings {
-  double bit_rate = 1e6;                 // bit/s; what the scene expects of the bus
+  double bit_rate = 1e6;                 // bit/s, as expected by the scene
   double data_bit_rate = 0;              // bit/s, CAN FD; 0: classic
-  std::span<const CanFilter> filters{};  // empty: everything
+  std::span<const CanFilter> filters{};  // empty: all frames
 };
 
-/// A kind of bus, as --bus names it.
+/// A kind of bus, by the name that --bus uses.
 struct BusBackend {
   std::string_view name;   // "slcan"
-  std::string_view where;  // what stands after the colon, with an example; empty: nothing
+  std::string_view where;  // text after the colon, with an example; empty: none
   std::unique_ptr<LinuxBus> (*make)(const std::string& where, const BusSettings& settings) = nullptr;
   std::size_t max_where = std::string::npos;  // characters
-  const char* no_answers = nullptr;           // why nodes cannot be asked over it
-  const char* no_device = nullptr;            // why a device cannot be played on it
-  bool makes_terminal = false;                // it says the name of its terminal once it is open
+  const char* no_answers = nullptr;           // reason why nodes do not answer on it
+  const char* no_device = nullptr;            // reason why a device cannot be simulated on it
+  bool makes_terminal = false;                // true if its terminal's name is printed once it is open
   bool comes_back = false;                    // after it was down
   bool is_file = false;
 };
@@ -66,10 +64,10 @@ struct BusAddress {
   std::string where;  // interface, path of a terminal, or of a log
 };
 
-/// None: `error` says what is wrong with `text` and what it may be.
+/// Parses `text`. None with the error and the valid forms in `error`.
 std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& error);
 
-/// Closed. Allocates; the bus does not later.
+/// Makes a closed bus. Allocates; the bus itself does not.
 std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings);
 
 }  // namespace godobject

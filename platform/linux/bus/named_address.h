@@ -1,4 +1,4 @@
-// What options give by name: "can0=socketcan:vcan0", "polaris=/dev/ttyUSB0".
+// Option values with a name: "can0=socketcan:vcan0", "polaris=/dev/ttyUSB0".
 #pragma once
 
 #include <string>
@@ -10,14 +10,15 @@ struct NamedAddress {
   std::string address;
 };
 
-/// of_addresses: a character that addresses have and names do not; an address may hold a '=' after it.
+/// Splits NAME=ADDRESS. of_addresses: a character that occurs in addresses and not in names; a '=' after it
+/// belongs to the address.
 inline NamedAddress split_name(const std::string& text, char of_addresses) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || text.find(of_addresses) < equals) return {.name = "", .address = text};
   return {.name = text.substr(0, equals), .address = text.substr(equals + 1)};
 }
 
-/// "'can0', 'can1'", for messages.
+/// Returns "'can0', 'can1'", for messages.
 template <class Named>
 std::string quoted_names(const Named& all) {
   std::string names;

@@ -29,7 +29,7 @@ void PtyBus::close() noexcept {
   if (slave_fd_ >= 0) ::close(slave_fd_);
   slave_fd_ = -1;
   channel_ = Channel::closed;
-  asked_bit_rate_ = 0;
+  requested_bit_rate_ = 0;
   why_.clear();
 }
 
@@ -56,9 +56,9 @@ bool PtyBus::try_receive(ReceivedFrame& out) noexcept {
   return false;
 }
 
-/// True: `out` is a frame for the receiver.
+/// Answers one line. Returns true if `out` is a frame for the receiver.
 bool PtyBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
-  if (line.empty()) return false;  // hosts send empty lines to end whatever stood before
+  if (line.empty()) return false;  // hosts send empty lines to end an incomplete one
   slcan::Request request;
   if (slcan::parse_request(line, request) != ParseResult::ok) {
     answer(slcan::refused_reply);
@@ -68,7 +68,7 @@ bool PtyBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
   switch (request.kind) {
     case slcan::RequestKind::send: return receive(request.frame, out);
     case slcan::RequestKind::set_bit_rate:
-      if (!is_open) asked_bit_rate_ = slcan::bit_rates[request.value];
+      if (!is_open) requested_bit_rate_ = slcan::bit_rates[request.value];
       answer(is_open ? slcan::refused_reply : slcan::ok_reply);
       break;
     case slcan::RequestKind::open: open_channel(Channel::open); break;
@@ -100,14 +100,14 @@ void PtyBus::answer(std::string_view text) noexcept {
   if (!line_.put(text)) ++counters_.send_dropped;
 }
 
-/// An adapter refuses O while the channel is open; hosts send it twice and do not mind.
+/// Refuses O while the channel is open, as an adapter does. Hosts send O twice and ignore the refusal.
 void PtyBus::open_channel(Channel channel) noexcept {
   const bool was_closed = channel_ == Channel::closed;
   if (was_closed) channel_ = channel;
   answer(was_closed ? slcan::ok_reply : slcan::refused_reply);
 }
 
-/// What a host that died left unread is not for the next one.
+/// Discards output that a dead host did not read, so that the next host does not receive it.
 void PtyBus::close_channel() noexcept {
   channel_ = Channel::closed;
   line_.discard_output();
@@ -129,7 +129,7 @@ std::string PtyBus::as_written(const CanFrame& frame) const {
   const std::string line = SlcanLine::text_of(frame);
   return line.empty()
              ? line
-             : "\r" + line;  // ends whatever stands before it; a host takes it for an acknowledgement
+             : "\r" + line;  // ends an incomplete line before it; a host takes it for an acknowledgement
 }
 
 std::string PtyBus::trouble() const {
@@ -137,9 +137,10 @@ std::string PtyBus::trouble() const {
   if (line_.port().state() != SerialState::open) return line_.port().trouble();
   if (channel_ == Channel::closed)
     return name() + ": waits for the other end to open it, e.g. godobject monitor --bus slcan:" + name();
-  if (asked_bit_rate_ > 0 && std::abs(asked_bit_rate_ - bit_rate_) > 0.5)
-    return name() + ": the other end expects " + std::to_string(std::lround(asked_bit_rate_)) +
-           " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) + ": a real bus would not work";
+  if (requested_bit_rate_ > 0 && std::abs(requested_bit_rate_ - bit_rate_) > 0.5)
+    return name() + ": the other end expects " + std::to_string(std::lround(requested_bit_rate_)) +
+           " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) +
+           ": a real bus would fail; set one bit rate at both ends";
   return "";
 }
 

@@ -1,5 +1,5 @@
-// A CAN bus on a pseudo-terminal: plays an SLCAN adapter to whatever opens name() at the other end, be it a
-// SlcanBus, python-can's slcan interface or slcand of can-utils.
+// A CAN bus on a pseudo-terminal: simulates an SLCAN adapter for the program that opens name().
+// Such programs are SlcanBus, python-can's slcan interface and slcand of can-utils.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace godobject {
 
-/// `down` until the other end has opened its channel (O or L) and again after it has closed it (C). It is
-/// answered while try_receive is called. `sent` counts frames handed to the terminal. Time stamps, bit timing
-/// registers and acceptance filters (Z, s, M, m) are not played: they are refused, as an adapter may.
+/// Is `down` until the other end opens its channel (O or L), and after it closes it (C). try_receive answers
+/// commands. `sent` counts frames written to the terminal. Refuses time stamps, bit timing registers and
+/// acceptance filters (Z, s, M, m), as an adapter may.
 class PtyBus final : public LinuxBus {
  public:
   explicit PtyBus(const BusSettings& settings);
   ~PtyBus() override { close(); }
 
-  /// Makes a pseudo-terminal, each time another one.
+  /// Makes a pseudo-terminal, a new one each time.
   bool open() noexcept override;
   void close() noexcept override;
   SendResult try_send(const CanFrame& frame) noexcept override;
@@ -28,7 +28,7 @@ class PtyBus final : public LinuxBus {
 
   int descriptor() const noexcept override { return line_.port().descriptor(); }
   std::string trouble() const override;
-  /// Path of the terminal to be opened at the other end; empty while closed.
+  /// Path of the terminal for the other end; empty while closed.
   std::string name() const override;
   std::string as_written(const CanFrame& frame) const override;
   std::string slowness() const override { return line_.port().slowness(); }
@@ -45,9 +45,9 @@ class PtyBus final : public LinuxBus {
   double bit_rate_;
   std::vector<CanFilter> filters_;
   SlcanLine line_{};
-  int slave_fd_ = -1;  // held open: without any slave open, reading the master is an error
+  int slave_fd_ = -1;  // kept open, because reading the master without an open slave is an error
   Channel channel_ = Channel::closed;
-  double asked_bit_rate_ = 0;  // of the other end; 0: it has not said
+  double requested_bit_rate_ = 0;  // bit rate set by the other end; 0: not set
   BusCounters counters_{};
   std::string why_{};
 };

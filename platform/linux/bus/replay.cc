@@ -44,14 +44,14 @@ const char* text_of(CandumpResult result) {
 
 bool is_wrong(CandumpResult result) { return *text_of(result) != '\0'; }
 
-/// Its bytes that no terminal shows are '?'.
+/// Replaces control characters by '?'.
 std::string printable(std::string name) {
   std::ranges::replace_if(
       name, [](char c) { return c < ' ' || c == '\x7F'; }, '?');
   return name;
 }
 
-/// The whole of a file, or of a pipe; false where there is more.
+/// Reads a whole file or pipe. Returns false if it is larger than max_bytes.
 bool read_up_to(std::istream& file, std::size_t max_bytes, std::string& text) {
   constexpr std::size_t at_a_time = std::size_t{1} << 20;
   text.clear();
@@ -64,12 +64,12 @@ bool read_up_to(std::istream& file, std::size_t max_bytes, std::string& text) {
   return text.size() <= max_bytes;
 }
 
-/// The names of a log's interfaces, or as many as a message has room for.
+/// Joins the names of a log's interfaces, as many as fit into a message.
 std::string joined(const std::set<std::string, std::less<>>& names) {
   std::string text;
-  std::size_t told = 0;
+  std::size_t listed = 0;
   for (const std::string& name : names) {
-    if (told++ == max_named_interfaces) return text + ", ...";
+    if (listed++ == max_named_interfaces) return text + ", ...";
     text += (text.empty() ? "" : ", ") + printable(name);
   }
   return text;
@@ -102,18 +102,18 @@ bool ReplayBus::open() noexcept {
     return fail("is neither a file nor a pipe");
   std::ifstream file(path_, std::ios::binary);
   if (!file) return fail("cannot be read: " + std::generic_category().message(errno));
-  if (!read_up_to(file, max_log_bytes, log_)) return fail("is larger than 2 GB, the most that is read");
+  if (!read_up_to(file, max_log_bytes, log_)) return fail("is larger than 2 GB, the limit");
   if (log_.empty()) return fail("is empty");
   if (!check_log()) return false;
   timer_fd_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-  if (timer_fd_ < 0) return fail("no timer for it: " + std::generic_category().message(errno));
+  if (timer_fd_ < 0) return fail("no timer can be created: " + std::generic_category().message(errno));
   state_ = BusState::error_active;
   shift_ = MonotonicClock().now() - begin_ns_;
   if (take_next()) arm();
   return true;
 }
 
-/// Every line can be parsed, and what is to be replayed is of one interface.
+/// Checks that every line can be parsed, and that the log has one interface to replay.
 bool ReplayBus::check_log() {
   std::set<std::string, std::less<>> interfaces;
   std::map<std::uint32_t, std::uint8_t> sizes;  // of the last frame with an identifier
@@ -125,8 +125,7 @@ bool ReplayBus::check_log() {
     ReceivedFrame frame;
     std::string_view name;
     const CandumpResult result = parse_candump(line, frame, name);
-    // A last line without an end was cut off with the program that wrote it, perhaps between two bytes of its
-    // data.
+    // A last line without an end was cut off when its writer died, perhaps between two bytes of its data.
     const auto size = sizes.find(frame.frame.id);
     if (at > log_.size() && line.starts_with('(') &&
         (is_wrong(result) || (size != sizes.end() && size->second != frame.frame.size))) {
@@ -144,7 +143,7 @@ bool ReplayBus::check_log() {
     has_frames = has_frames || interface_.empty() || name == interface_;
   }
   if (interfaces.empty()) return fail("holds no frame: is it a log of candump -l?");
-  if (!has_frames) return fail("holds nothing of " + interface_ + ", only of " + joined(interfaces));
+  if (!has_frames) return fail("holds no frame of " + interface_ + ", only of " + joined(interfaces));
   if (interface_.empty() && interfaces.size() > 1)
     return fail("holds frames of " + joined(interfaces) + ": choose one, e.g. replay:" + path_ + "," +
                 *interfaces.begin());
@@ -162,8 +161,8 @@ void ReplayBus::close() noexcept {
   why_.clear();
 }
 
-/// Parses on to the next frame of the interface that the filters pass. Time does not go back: logs of several
-/// interfaces have lines that are out of order by some microseconds.
+/// Parses up to the next frame of the interface that passes the filters. Time never goes back, because logs
+/// of several interfaces have lines out of order by some microseconds.
 bool ReplayBus::take_next() noexcept {
   has_next_ = false;
   while (!has_next_ && position_ < log_.size()) {
@@ -176,7 +175,7 @@ bool ReplayBus::take_next() noexcept {
     if (result != CandumpResult::ok || (!interface_.empty() && name != interface_)) continue;
     if (!passes(filters_, frame.frame)) continue;
     if (shift_ > 0 && frame.t_ns > std::numeric_limits<Nanoseconds>::max() - shift_)
-      continue;  // after the end of time
+      continue;  // after the largest representable time
     frame.t_ns = std::max(frame.t_ns + shift_, next_.t_ns);
     next_ = frame;
     has_next_ = true;
@@ -221,7 +220,7 @@ std::string ReplayBus::trouble() const {
     case BusState::closed: return path_ + ": closed";
     case BusState::down:
       return path_ +
-             (is_cut_ ? ": end of the log, whose last line is cut off and left out" : ": end of the log");
+             (is_cut_ ? ": end of the log; its last line is cut off and was left out" : ": end of the log");
     default: return "";
   }
 }

@@ -1,4 +1,4 @@
-// A candump log as a bus: its frames arrive as far apart as they did when they were recorded.
+// A candump log as a bus: frames arrive at the recorded intervals.
 #pragma once
 
 #include <string>
@@ -9,24 +9,22 @@
 
 namespace godobject {
 
-/// "FILE" or "FILE,INTERFACE", as in the addresses of buses. A file's name may have a comma in it.
+/// "FILE" or "FILE,INTERFACE", as in the addresses of buses. The name of a file may contain a comma.
 struct LogAddress {
   std::string path;
-  std::string interface;  // empty: none is given
+  std::string interface;  // empty: not given
 };
 LogAddress parse_log_address(const std::string& where);
 
-/// The log's first frame, of whichever interface, arrives when open() is called. What is sent is taken,
-/// counted as sent, and goes nowhere. After the last frame the bus is `down` and trouble() says "end of the
-/// log".
+/// Replays a log. Its first frame, of any interface, arrives when open() is called. Sent frames are counted
+/// as sent and discarded. After the last frame the bus is `down`, with "end of the log" in trouble().
 class ReplayBus final : public LinuxBus {
  public:
-  /// where: path of a log, and after a comma the interface of it, which may be left out where the log has
-  /// only one.
+  /// where: path of a log, optionally a comma and the interface; a log of one interface needs none.
   ReplayBus(const std::string& where, const BusSettings& settings);
   ~ReplayBus() override { close(); }
 
-  /// Reads and checks the whole log. False: trouble() names the line that is wrong.
+  /// Reads and checks the whole log. Returns false with the wrong line in trouble().
   bool open() noexcept override;
   void close() noexcept override;
   SendResult try_send(const CanFrame& frame) noexcept override;
@@ -47,11 +45,11 @@ class ReplayBus final : public LinuxBus {
 
   std::string path_, interface_;
   std::vector<CanFilter> filters_;
-  std::string log_{};  // its text: parsed line by line as time goes on, since that is the smallest form
+  std::string log_{};         // text, parsed line by line during the replay because it is the smallest form
   std::size_t position_ = 0;  // in log_, of the next line to be parsed
   ReceivedFrame next_{};      // on CLOCK_MONOTONIC
   bool has_next_ = false;
-  bool is_cut_ = false;       // its last line
+  bool is_cut_ = false;       // true if the last line is cut off
   Nanoseconds begin_ns_ = 0;  // time of the log's first frame
   Nanoseconds shift_ = 0;     // from the log's time to CLOCK_MONOTONIC
   int timer_fd_ = -1;

@@ -39,13 +39,13 @@ bool SlcanBus::open() noexcept {
   if (baud_ == 0) return fail("the baud rate after the comma is not a number above 0");
   if (!line_.port().open(path_, {.baud = baud_})) return false;
   line_.clear();
-  // A line that an earlier host left half ends here: not with a bare CR, upon which some adapters repeat
-  // their last command. V is no digit, so it makes no frame of a half one.
+  // Ends an incomplete line of an earlier host. Not by a bare CR, upon which some adapters repeat their last
+  // command. V is no digit, so it completes no frame.
   for (const std::string_view first : {slcan::version_command, slcan::close_command})
     if (line_.put(first)) wait_for_quiet();
   version_.clear();
   if (!command(rate, "the bit rate") || !command(slcan::open_command, "to open its channel")) return false;
-  asks_flags_ = ask(slcan::flags_command, patience()) == Answer::flags;
+  has_flags_ = ask(slcan::flags_command, patience()) == Answer::flags;
   flags_due_ = MonotonicClock().now() + flags_period;
   state_ = BusState::error_active;
   num_unanswered_ = num_garbled_ = num_fd_ = 0;
@@ -64,7 +64,7 @@ void SlcanBus::close() noexcept {
   why_.clear();
 }
 
-/// Until nothing has come for quiet_time; not longer than answer_timeout.
+/// Waits until no byte has come for quiet_time, at most answer_timeout.
 void SlcanBus::wait_for_quiet() {
   const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
   std::string_view ignored;
@@ -73,10 +73,11 @@ void SlcanBus::wait_for_quiet() {
   line_.discard_input();
 }
 
-/// An adapter that has been seen to acknowledge nothing is not waited for.
+/// Returns the time to wait for an answer: short for an adapter that acknowledges no commands.
 Nanoseconds SlcanBus::patience() const noexcept { return version_.empty() ? answer_timeout : quiet_time; }
 
-/// What comes besides the answer, frames above all, is dropped: the bus is not open yet.
+/// Sends a command and returns the answer. Other lines, mostly frames, are dropped because the bus is not
+/// open yet.
 SlcanBus::Answer SlcanBus::ask(std::string_view command, Nanoseconds patience) {
   const Nanoseconds deadline = MonotonicClock().now() + patience;
   if (!line_.put(command)) return Answer::none;
@@ -94,8 +95,8 @@ SlcanBus::Answer SlcanBus::ask(std::string_view command, Nanoseconds patience) {
   return Answer::none;
 }
 
-/// Returns the first text that comes upon V, or its beginning where it is longer than a line; empty: none
-/// came. An echo is no answer. wanted: the text to wait for; empty: any.
+/// Returns the first text received after V, or its beginning if it is longer than a line; empty if none came.
+/// Ignores an echo. Waits for the given text, or for any if that is empty.
 std::string SlcanBus::ask_version(const std::string& wanted) {
   const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
   const std::uint64_t num_overlong = line_.reader().num_overlong();
@@ -119,7 +120,7 @@ std::string SlcanBus::ask_version(const std::string& wanted) {
   return {};
 }
 
-/// True if V is answered twice in the same words: the adapter is there, and acknowledges nothing.
+/// True if V is answered twice with the same text: the adapter is present and acknowledges no commands.
 bool SlcanBus::answers_version() {
   const std::string first = ask_version(version_);
   if (first.empty() || (version_.empty() && ask_version(first) != first)) return false;
@@ -137,9 +138,9 @@ bool SlcanBus::command(std::string_view command, const std::string& what) {
   if (line_.port().state() != SerialState::open) return fail(line_.port().trouble());
   if (answers_version()) return true;
   if (!version_.empty())
-    return fail("the adapter, which acknowledges nothing, answers to V no more after " + what);
-  return fail("nothing answers there: is it an SLCAN adapter, and at " + std::to_string(baud_) +
-              " baud? Another baud rate is given as PATH,BAUD");
+    return fail("the adapter acknowledges no commands and does not answer V after " + what);
+  return fail("no adapter answers: check that it is an SLCAN adapter, and its rate of " +
+              std::to_string(baud_) + " baud; give another rate as PATH,BAUD");
 }
 
 SendResult SlcanBus::try_send(const CanFrame& frame) noexcept {
@@ -151,11 +152,11 @@ SendResult SlcanBus::try_send(const CanFrame& frame) noexcept {
     result = SendResult::invalid;
   } else if (now == BusState::bus_off) {
     result = SendResult::off;
-  } else if (is_cut_off(now)) {  // NOLINT(bugprone-branch-clone): once more after the write
+  } else if (is_cut_off(now)) {  // NOLINT(bugprone-branch-clone): checked again after the write
     result = SendResult::down;
   } else if (!line_.put({text.data(), size})) {
     result = SendResult::full;
-  } else if (is_cut_off(state())) {  // the write has met the hang-up
+  } else if (is_cut_off(state())) {  // the write found the line hung up
     result = SendResult::down;
   }
   if (result == SendResult::queued) {
@@ -172,12 +173,12 @@ bool SlcanBus::try_receive(ReceivedFrame& out) noexcept {
   std::string_view line;
   while (line_.next(line))
     if (handle(line, out)) return true;
-  if (asks_flags_ && MonotonicClock().now() >= flags_due_ && line_.put(slcan::flags_command))
+  if (has_flags_ && MonotonicClock().now() >= flags_due_ && line_.put(slcan::flags_command))
     flags_due_ = MonotonicClock().now() + flags_period;
   return false;
 }
 
-/// True: `out` is a frame for the receiver.
+/// Handles one line. Returns true if `out` is a frame for the receiver.
 bool SlcanBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
   slcan::Reply reply;
   if (slcan::parse_reply(line, reply) != ParseResult::ok) {
@@ -230,7 +231,7 @@ void SlcanBus::handle_flags(std::uint8_t flags) noexcept {
   }
   if (has(slcan::status::transmit_queue_full)) counters_.last_error = BusError::transmit_overflow;
   if (has(slcan::status::receive_queue_full | slcan::status::data_overrun)) {
-    ++counters_.receive_overflow;  // at least: the flag does not count
+    ++counters_.receive_overflow;  // at least one: the flag does not count
     counters_.last_error = BusError::receive_overflow;
   }
   if (reports_state_) return;
@@ -257,7 +258,8 @@ std::string SlcanBus::trouble() const {
   if (line_.port().state() != SerialState::open) return line_.port().trouble();
   if (state_ == BusState::bus_off)
     return path_ +
-           ": bus-off: check wiring, termination and bit rate, then reopen it: SLCAN knows no restart";
+           ": bus-off: check wiring, termination and bit rate, then reopen it; SLCAN has no automatic "
+           "restart";
   if (state_ != BusState::error_active)
     return path_ + ": " + std::string(name_of(state_)) + ": check wiring, termination and bit rate";
   if (num_garbled() > 0)
@@ -265,10 +267,10 @@ std::string SlcanBus::trouble() const {
            " lines were garbled: check the serial cable and its baud rate";
   if (const std::uint64_t num_fd = num_fd_ + line_.reader().num_fd(); num_fd > 0)
     return path_ + ": " + std::to_string(num_fd) +
-           " CAN FD frames came, which are not read over SLCAN: use SocketCAN, or a bus without CAN FD nodes";
+           " CAN FD frames arrived, which SLCAN cannot carry: use SocketCAN, or a bus without CAN FD nodes";
   if (counters_.send_dropped > 0)
     return path_ + ": the adapter refused " + std::to_string(counters_.send_dropped) +
-           " frames: send less, or see whether another node acknowledges them";
+           " frames: send fewer, or check that another node acknowledges them";
   return "";
 }
 

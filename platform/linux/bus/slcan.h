@@ -1,5 +1,5 @@
-// A CAN bus behind an SLCAN adapter on a serial port, in user space: no driver of the kernel is needed.
-// hal/can/slcan.h tells what the protocol cannot do; docs/buses.md what that means for a rig.
+// A CAN bus behind an SLCAN adapter on a serial port, in user space, without a kernel driver. hal/can/slcan.h
+// lists the limits of the protocol; docs/buses.md their consequences for a rig.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace godobject {
 
-/// `sent` counts the frames the adapter has acknowledged as taken; an adapter that acknowledges none leaves
-/// it at 0. send_dropped: those it refused although they had been queued here. error_frames: lines that were
-/// garbled, and the bus errors of the adapter's flags.
+/// Counters: `sent` counts frames that the adapter acknowledged; 0 with an adapter that acknowledges none.
+/// send_dropped: frames that it refused after they had been queued here. error_frames: garbled lines, and bus
+/// errors in the adapter's flags.
 class SlcanBus final : public LinuxBus {
  public:
-  /// where: path of a serial port, and after a comma its baud rate where that is not 115200. USB adapters of
+  /// where: path of a serial port, optionally a comma and its baud rate, 115200 by default. USB adapters of
   /// the class CDC-ACM have no baud rate.
   SlcanBus(const std::string& where, const BusSettings& settings);
   ~SlcanBus() override { close(); }
@@ -54,20 +54,21 @@ class SlcanBus final : public LinuxBus {
   std::uint64_t num_garbled() const noexcept;
 
   std::string path_;
-  std::uint32_t baud_ = 0;  // 0: what was given is not a number
+  std::uint32_t baud_ = 0;  // 0: the given text is not a number
   double bit_rate_, data_bit_rate_;
   std::vector<CanFilter> filters_;
   SlcanLine line_{};
   BusState state_ = BusState::closed;
   BusCounters counters_{};
-  std::uint64_t num_unanswered_ = 0;   // frames sent and neither taken nor refused yet
-  std::uint64_t num_garbled_ = 0;      // lines that are none of the protocol
+  std::uint64_t num_unanswered_ = 0;   // frames sent and neither accepted nor refused yet
+  std::uint64_t num_garbled_ = 0;      // lines that are not of the protocol
   std::uint64_t earlier_garbled_ = 0;  // before it was opened again
-  std::uint64_t dropped_at_open_ = 0;  // of the reader's lines: answers of an adapter that is being opened
+  std::uint64_t dropped_at_open_ = 0;  // lines of the reader that were dropped while the adapter was being
+                                       // opened
   std::uint64_t num_fd_ = 0;           // CAN FD frames
-  std::string version_{};       // answer to V of an adapter that acknowledges nothing; empty: it acknowledges
-  bool asks_flags_ = false;     // the adapter knows F
-  bool reports_state_ = false;  // it speaks the dialect of Linux's driver, which says more than F
+  std::string version_{};              // answer to V of an adapter that acknowledges no commands; else empty
+  bool has_flags_ = false;             // true if the adapter answers F (request of flags)
+  bool reports_state_ = false;         // true for the dialect of Linux's driver, which reports more than F
   Nanoseconds flags_due_ = 0;
   std::string why_{};
 };

@@ -1,4 +1,4 @@
-// A serial port with lines of SLCAN on it: what both ends of the protocol share.
+// A serial port with SLCAN lines, shared by both ends of the protocol.
 #pragma once
 
 #include <array>
@@ -20,26 +20,26 @@ class SlcanLine {
   SerialPort& port() noexcept { return port_; }
   const SerialPort& port() const noexcept { return port_; }
 
-  /// Queues `text` and writes what the port takes. False: there is no room for all of it; none of it is
-  /// queued.
+  /// Queues `text` and writes as much as the port accepts. Returns false and queues nothing if there is no
+  /// space for all of it.
   [[nodiscard]] bool put(std::string_view text) noexcept;
-  /// Writes what is queued, as much as the port takes, each line in a write of its own: some adapters take
-  /// one command of a USB packet and drop the others.
+  /// Writes queued lines, as many as the port accepts, one write per line. Some adapters read one command of
+  /// a USB packet and drop the others.
   void flush() noexcept;
-  /// Returns the line of a frame; empty: the protocol cannot carry it.
+  /// Returns the line of a frame; empty if the protocol cannot carry it.
   static std::string text_of(const CanFrame& frame);
-  /// Returns the rest of the line that the last write has cut off.
+  /// Returns the rest of the line that the last write cut off.
   const LineRest& rest() const noexcept { return rest_; }
-  /// The next complete line, valid until the next call. False: there is none now, or the call has read so
-  /// much without finding one that the rest is left to the next.
+  /// Returns the next complete line, valid until the next call. False if there is none yet, or if the limit
+  /// on reads per call is reached.
   [[nodiscard]] bool next(std::string_view& line) noexcept;
-  /// When the bytes that ended the last line were read: CLOCK_MONOTONIC.
+  /// Time of reading the last line's final bytes: CLOCK_MONOTONIC.
   Nanoseconds read_at() const noexcept { return read_at_; }
-  /// Forgets what is queued.
+  /// Discards queued output.
   void discard_output() noexcept { out_size_ = 0; }
-  /// Forgets what was read: the next byte begins a line.
+  /// Discards received bytes: the next byte begins a line.
   void discard_input() noexcept;
-  /// Forgets what is queued and what was read.
+  /// Discards queued output and received bytes.
   void clear() noexcept;
 
   /// Counts and beginnings of lines that were dropped.

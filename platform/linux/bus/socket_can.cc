@@ -33,9 +33,9 @@ static_assert(can_error::bit == CAN_ERR_PROT_BIT && can_error::form == CAN_ERR_P
 
 namespace {
 
-// Error frames and own frames are read on the way to the next frame: so many at most in one call.
+// Maximum of error frames and own frames that one call skips on the way to the next frame.
 constexpr int max_messages_per_call = 64;
-// Beyond what the kernel allows (net.core.rmem_max) it gives what it allows.
+// Reduced by the kernel to its own limit (net.core.rmem_max).
 constexpr int receive_buffer_bytes = 4 << 20;
 
 template <class T>
@@ -50,7 +50,7 @@ can_filter kernel_filter(const CanFilter& filter) noexcept {
 
 }  // namespace
 
-/// One answer of recvmsg.
+/// One message of recvmsg.
 struct SocketCanBus::Message {
   KernelFrame frame{};
   std::size_t size = 0;
@@ -72,7 +72,7 @@ bool SocketCanBus::open() noexcept {
   fit_ = LinkFit::fits;
   fd_ = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (fd_ < 0) return fail("socket");
-  // Options before bind: no frame gets in that the filters would not let pass.
+  // Options are set before bind, so that no frame passes unfiltered.
   return check_link() && set_options() && bind_to_interface();
 }
 
@@ -100,9 +100,9 @@ bool SocketCanBus::check_link() noexcept {
     return false;
   }
   carries_fd_ = link.carries_fd();
-  // Some drivers never say that their controller has started.
-  const bool told = link.controller && link.controller->state != BusState::down;
-  state_ = told ? link.controller->state : BusState::error_active;
+  // Some drivers never report that their controller has started.
+  const bool reported = link.controller && link.controller->state != BusState::down;
+  state_ = reported ? link.controller->state : BusState::error_active;
   return true;
 }
 
@@ -206,7 +206,7 @@ bool SocketCanBus::read_message(Message& message) noexcept {
   }
   message.size = static_cast<std::size_t>(size);
   message.own = (head.msg_flags & MSG_CONFIRM) != 0;
-  // Three readings of clocks: not for own frames that nobody is shown.
+  // Costs three readings of clocks, so unobserved own frames get no stamp.
   if (!message.own || observer_.on_frame) message.t_ns = stamp_.of(head);
   for (cmsghdr* part = CMSG_FIRSTHDR(&head); part != nullptr; part = CMSG_NXTHDR(&head, part)) {
     if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SO_RXQ_OVFL)
@@ -215,10 +215,11 @@ bool SocketCanBus::read_message(Message& message) noexcept {
   return true;
 }
 
-/// True when `out` holds a frame for the caller.
+/// Handles one message. Returns true if `out` is a frame for the caller.
 bool SocketCanBus::take(const Message& message, ReceivedFrame& out) noexcept {
   if (message.dropped_in_all) count_overflow(*message.dropped_in_all);
-  // The kernel tells of the loss before it hands on what had come until then, so a message alone proves nothing.
+  // The kernel reports the loss before it delivers earlier frames, so a message alone does not prove that the
+  // interface is up.
   if (state_ == BusState::down && is_up()) state_ = BusState::error_active;
   if ((message.frame.can_id & CAN_ERR_FLAG) != 0) {
     const std::span<const std::uint8_t> data(message.frame.data, CAN_ERR_DLC);
@@ -243,7 +244,8 @@ void SocketCanBus::count_overflow(std::uint32_t dropped_in_all) noexcept {
   dropped_in_all_ = dropped_in_all;
 }
 
-/// A controller that is off neither sends nor receives: the report of its restart was lost to an overflow.
+/// Ends bus-off: a controller that is off neither sends nor receives, so the report of its restart was lost
+/// to an overflow.
 void SocketCanBus::seen_alive() noexcept {
   if (state_ != BusState::bus_off) return;
   state_ = BusState::error_active;

@@ -1,5 +1,5 @@
-// A CAN interface of Linux (SocketCAN): classic and FD, with the error frames of its driver.
-// Kernel: Documentation/networking/can.rst.
+// A CAN interface of Linux (SocketCAN): classic and FD, with the error frames of its driver. Kernel:
+// Documentation/networking/can.rst.
 #pragma once
 
 #include <linux/can.h>
@@ -16,10 +16,9 @@
 
 namespace godobject {
 
-/// The filters work in the kernel, on own frames too: name the identifiers whose sending shall be confirmed
-/// (BusCounters::sent) among those wanted.
-/// An interface that goes down and comes up again is used again by itself; one that was unplugged needs close()
-/// and open(), which looks it up by its name.
+/// The filters work in the kernel, also on own frames. They must pass the identifiers of own frames, so that
+/// BusCounters::sent counts them. An interface that goes down and up again is reused automatically. One that
+/// was unplugged needs close() and open(), which looks it up by name.
 class SocketCanBus final : public LinuxBus {
  public:
   SocketCanBus(const std::string& interface, const BusSettings& settings);
@@ -27,12 +26,12 @@ class SocketCanBus final : public LinuxBus {
   SocketCanBus(const SocketCanBus&) = delete;
   SocketCanBus& operator=(const SocketCanBus&) = delete;
 
-  /// False where there is no such interface, it is down, or its bit rates are not the expected ones.
+  /// Returns false if the interface is missing or down, or its bit rates differ from the expected ones.
   [[nodiscard]] bool open() noexcept override;
-  /// Counters stay.
+  /// Counters are kept.
   void close() noexcept override;
   [[nodiscard]] SendResult try_send(const CanFrame& frame) noexcept override;
-  /// Also false after 64 error frames and own frames in a row: the descriptor stays readable.
+  /// Returns false also after 64 error frames and own frames in a row; the descriptor stays readable.
   [[nodiscard]] bool try_receive(ReceivedFrame& out) noexcept override;
   BusState state() const noexcept override { return state_; }
   BusCounters counters() const noexcept override { return counters_; }
@@ -67,7 +66,7 @@ class SocketCanBus final : public LinuxBus {
   BusSettings settings() const noexcept { return {bit_rate_, data_bit_rate_, {}}; }
 
   std::string interface_;
-  unsigned index_ = 0;  // of the interface that was opened last; it keeps it when it is renamed
+  unsigned index_ = 0;  // of the interface that was opened last; renaming does not change it
   double bit_rate_ = 0;
   double data_bit_rate_ = 0;
   std::vector<can_filter> filters_;
@@ -77,10 +76,10 @@ class SocketCanBus final : public LinuxBus {
   BusState state_ = BusState::closed;
   BusCounters counters_;
   std::uint64_t queue_full_ = 0;      // try_send calls answered with full
-  std::uint32_t dropped_in_all_ = 0;  // by this socket, as the kernel counts (SO_RXQ_OVFL)
+  std::uint32_t dropped_in_all_ = 0;  // by this socket, as counted by the kernel (SO_RXQ_OVFL)
   ReceiveStamp stamp_;
   FrameObserver observer_;
-  // Why the last open() that failed did so.
+  // Reason of the last failed open().
   const char* failed_call_ = nullptr;
   int failed_errno_ = 0;
   LinkFit fit_ = LinkFit::fits;

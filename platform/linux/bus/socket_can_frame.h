@@ -1,4 +1,4 @@
-// CAN frames as Linux's raw sockets take and give them (linux/can.h).
+// CAN frames in the layout of Linux's raw sockets (<linux/can.h>).
 #pragma once
 
 #include <linux/can.h>
@@ -14,7 +14,7 @@ namespace godobject {
 /// A classic frame is the beginning of this struct: same layout, fewer bytes.
 using KernelFrame = canfd_frame;
 
-/// Returns how many bytes of `out` go to the kernel: CAN_MTU or CANFD_MTU. `frame` must be valid.
+/// Returns the number of bytes of `out` for the kernel: CAN_MTU or CANFD_MTU. `frame` must be valid.
 inline std::size_t to_kernel(const CanFrame& frame, KernelFrame& out) noexcept {
   out = {};
   out.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0u) | (frame.remote ? CAN_RTR_FLAG : 0u);
@@ -24,7 +24,7 @@ inline std::size_t to_kernel(const CanFrame& frame, KernelFrame& out) noexcept {
   return frame.fd ? CANFD_MTU : CAN_MTU;
 }
 
-/// None where `size` is neither CAN_MTU nor CANFD_MTU, or the frame's length has no place in it.
+/// Returns none if `size` is neither CAN_MTU nor CANFD_MTU, or the frame's length exceeds it.
 inline std::optional<CanFrame> from_kernel(const KernelFrame& in, std::size_t size) noexcept {
   if (size != CAN_MTU && size != CANFD_MTU) return std::nullopt;
   CanFrame frame;

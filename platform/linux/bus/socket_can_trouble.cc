@@ -1,4 +1,4 @@
-// What a user can do about the state of a SocketCAN bus.
+// Remedies for the states of a SocketCAN bus.
 #include <net/if.h>
 
 #include <array>
@@ -29,7 +29,7 @@ std::string SocketCanBus::trouble() const {
   return why_state();
 }
 
-/// The name that the interface has now; as it was opened where it is gone.
+/// Returns the present name of the interface; the opened name if it is gone.
 std::string SocketCanBus::present_name() const {
   std::array<char, IF_NAMESIZE> name{};
   return index_ != 0 && if_indextoname(index_, name.data()) != nullptr ? name.data() : interface_;
@@ -43,7 +43,7 @@ std::string SocketCanBus::why_state() const {
   std::string text;
   switch (state_) {
     case BusState::gone:
-      return interface + " was unplugged or removed: plug it in again, then open it anew" +
+      return interface + " was unplugged or removed: plug it in again, then reopen it" +
              (known ? " (" + interface + " is there again)" : "");
     case BusState::down:
       return (known ? text_of(LinkFit::down, interface, link, settings()) : interface + " is down") + renamed;
@@ -65,9 +65,9 @@ std::string SocketCanBus::why_state() const {
   }
   if (queue_full_ != 0)
     text += interface + ": the transmit queue refused " + std::to_string(queue_full_) +
-            " frames: does another node acknowledge? For more frames in one cycle: ip link set " + interface +
-            " txqueuelen 100" + (known ? " (now " + std::to_string(link.transmit_queue_length) + ")" : "") +
-            "\n";
+            " frames: check that another node acknowledges; for more frames in one cycle: ip link set " +
+            interface + " txqueuelen 100" +
+            (known ? " (now " + std::to_string(link.transmit_queue_length) + ")" : "") + "\n";
   if (known) text += link_warnings(interface, link);
   if (text.empty()) return text;
   text.pop_back();

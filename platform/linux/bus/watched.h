@@ -1,4 +1,4 @@
-// A real bus with someone looking on: when frames came in last, and which went either way.
+// A real bus with an observer: time of the last received frame, and all frames in both directions.
 #pragma once
 
 #include <algorithm>
@@ -9,11 +9,11 @@
 
 namespace godobject {
 
-/// Passes everything on. A bus that sees its own frames complete shows them itself, with their time on the wire;
-/// of one that does not (an adapter without an echo) they are shown as accepted, with the time of that.
+/// Forwards all calls. A bus that sees its own frames complete reports them itself, with their time on the
+/// wire. For others (an adapter without an echo) they are reported when accepted, with that time.
 class WatchedBus final : public CanBus {
  public:
-  /// index: of the bus in its rig. Place it at set-up: it does not move afterwards.
+  /// index: index of the bus in its rig. Must not move after setup.
   WatchedBus(std::unique_ptr<LinuxBus> bus, std::size_t index) : bus_(std::move(bus)), index_(index) {}
   WatchedBus(const WatchedBus&) = delete;
   WatchedBus& operator=(const WatchedBus&) = delete;
@@ -37,7 +37,7 @@ class WatchedBus final : public CanBus {
 
   LinuxBus& bus() noexcept { return *bus_; }
   const LinuxBus& bus() const noexcept { return *bus_; }
-  /// Latest receive stamp; 0: nothing has been received.
+  /// Latest receive stamp; 0 if no frame was received.
   Nanoseconds t_received_ns() const noexcept { return t_received_ns_; }
 
   void set_observer(const BusObserver& observer) noexcept {

@@ -1,6 +1,4 @@
-// What a scene file says of contacts: spheres and shapes of bodies, obstacles, pairs of materials.
-//
-// The room: pairs.h says which bodies may touch, params.h is all of it in the core's terms.
+// Contacts in a scene file: spheres and shapes of bodies, obstacles, pairs of materials.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +12,19 @@ namespace godobject {
 
 inline constexpr const char* default_material = "default";
 
-/// A row of equal spheres on a body, or one.
+/// A row of equal spheres on a body; one sphere if count is 1.
 struct SphereConfig {
-  Vec3 p_B = Vec3::Zero();  // centre of the first, body axes about the centre of mass, m
+  Vec3 p_B = Vec3::Zero();  // centre of the first, m, body axes about the centre of mass
   double radius = 0;        // m, > 0
   std::string material = default_material;
   int count = 1;                // >= 1
-  Vec3 spacing = Vec3::Zero();  // from one centre to the next, body axes, m
+  Vec3 spacing = Vec3::Zero();  // vector from one centre to the next, m, body axes
 };
 
-/// A solid. Each kind has the dimensions it needs and no others.
+/// A solid. Each kind has only the dimensions that it requires.
 struct ShapeConfig {
   ShapeKind kind = ShapeKind::box;
-  Pose X;  // on a body: in its axes about its centre of mass; of an obstacle: in the world
+  Pose X;  // body shape: in body axes about the centre of mass; obstacle: in the world
   std::optional<Vec3> half_extents;   // box: m, > 0
   std::optional<double> radius;       // sphere, capsule: m, > 0
   std::optional<double> half_length;  // capsule: m, >= 0
@@ -45,22 +43,22 @@ struct HeightGrid {
   std::uint32_t columns = 0, rows = 0;
 };
 
-/// Fixed in the world.
+/// An obstacle, fixed in the world.
 struct ObstacleConfig {
   std::string name;
   ShapeConfig shape;
-  std::string file;               // mesh, height field, many spheres; its name there, empty without
-  std::optional<double> scale;    // of a mesh file, m per unit
-  std::optional<double> spacing;  // of a height field's grid, m
-  // What is in the file.
+  std::string file;             // name of the file of a mesh, height field or many spheres; empty without one
+  std::optional<double> scale;  // m per unit of a mesh file
+  std::optional<double> spacing;  // m, distance of neighbours in a height field's grid
+  // Contents of the file.
   MeshData mesh;
   HeightGrid heights;
-  std::vector<Vec3> centres;  // of the spheres, in the axes of shape.X, m
+  std::vector<Vec3> centres;  // m, centres of the spheres in the axes of shape.X
 };
 
-/// What a sphere's contact does where these two materials meet: (22), (23).
+/// Law of a contact between two materials (22), (23).
 struct ContactConfig {
-  std::vector<std::string> materials;          // two, in any order; may be the same
+  std::vector<std::string> materials;          // two, in any order; may be equal
   double stiffness = 0;                        // k, N/m, > 0, of each sphere
   double damping = 0;                          // c, N s/m, >= 0
   double friction = 0;                         // mu, >= 0

@@ -21,7 +21,7 @@ MaterialUse use_of(const ShapeConfig& shape, const BodyConfig& body) {
   return {shape.material, "shape of body '" + body.name + "'"};
 }
 
-/// The first use of each material.
+/// Returns each material with its first use.
 template <class Part>
 std::vector<MaterialUse> uses_of(const std::vector<Part>& parts, const BodyConfig& body) {
   std::set<std::string_view> known;
@@ -33,7 +33,7 @@ std::vector<MaterialUse> uses_of(const std::vector<Part>& parts, const BodyConfi
 
 std::vector<MaterialUse> sphere_uses(const BodyConfig& body) { return uses_of(body.spheres, body); }
 
-/// Where spheres of others touch the body.
+/// Returns the materials of the body that spheres of others touch.
 std::vector<MaterialUse> surface_uses(const BodyConfig& body) {
   if (body.shapes.empty()) return sphere_uses(body);
   return uses_of(body.shapes, body);
@@ -46,13 +46,13 @@ std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene) {
   return uses;
 }
 
-/// The material of the net's nodes; nothing where they touch nothing.
+/// Returns the material of the net's nodes; empty if they have no contacts.
 std::vector<MaterialUse> node_uses(const NetConfig& net) {
   if (net.thickness.value_or(0) == 0) return {};
   return {{net.material, "net '" + net.name + "'"}};
 }
 
-/// Pairs of two lists that were not in an earlier one.
+/// Set of unordered pairs, each stored once.
 class PairList {
  public:
   void add(const std::vector<MaterialUse>& as, const std::vector<MaterialUse>& bs) {
@@ -67,7 +67,7 @@ class PairList {
   std::vector<MaterialPair> pairs_;
 };
 
-/// Whether the net's nodes touch what is on the body: not where the body is of its carrier's tool.
+/// True if the net's nodes touch the body, which must not belong to the carrier's tool.
 bool meets(const SceneConfig& scene, const std::vector<std::size_t>& tool, const NetConfig& net,
            std::size_t body) {
   const std::optional<std::size_t> carrier = body_named(scene, net.body);

@@ -24,7 +24,7 @@ ContactLaw law_of(const ContactConfig& c) {
           .push_out = c.push_out_speed};
 }
 
-/// Fills in one after the other.
+/// Builds the contacts part by part.
 class ContactBuilder {
  public:
   explicit ContactBuilder(const SceneConfig& scene) {
@@ -43,7 +43,7 @@ class ContactBuilder {
 
   void add(const ContactConfig& contact) {
     const MaterialId a = id_of(contact.materials[0]), b = id_of(contact.materials[1]);
-    if (std::max(a, b) >= to_.materials.size()) return;  // of which nothing is made
+    if (std::max(a, b) >= to_.materials.size()) return;  // unused material
     to_.laws[a][b] = to_.laws[b][a] = law_of(contact);
   }
 
@@ -77,7 +77,7 @@ class ContactBuilder {
   const TriangleMesh* mesh_of(const ObstacleConfig& obstacle) {
     std::string why_not;
     to_.meshes.push_back(MeshSolid::make(obstacle.mesh, why_not));
-    return to_.meshes.back() ? &to_.meshes.back()->mesh() : nullptr;  // null: the core refuses it
+    return to_.meshes.back() ? &to_.meshes.back()->mesh() : nullptr;  // null is rejected by the core
   }
 
   const HeightField* height_field_of(const ObstacleConfig& obstacle) {

@@ -10,10 +10,10 @@
 namespace godobject {
 namespace {
 
-/// Share by which a sphere may be smaller than it has to be, for numbers that were rounded in a file.
+/// Relative tolerance of a sphere's radius, for numbers rounded in a file.
 constexpr double radius_tolerance = 1e-3;
 
-/// A corner of a box, or the ball at an end of a capsule, or a whole ball.
+/// A corner of a box, the ball at an end of a capsule, or a whole ball.
 struct Tip {
   Vec3 p_B;
   double radius = 0;
@@ -34,7 +34,7 @@ std::vector<Tip> tips_of(const ShapeConfig& shape) {
   return tips;
 }
 
-/// True if one sphere of the body, `times` as large, holds all of these.
+/// True if one sphere of the body, its radius multiplied by `times`, contains all tips.
 bool is_held(const BodyConfig& body, const Tip* first, const Tip* end, double times) {
   for (const SphereConfig& row : body.spheres)
     for (int i = 0; i < row.count; ++i) {
@@ -47,7 +47,7 @@ bool is_held(const BodyConfig& body, const Tip* first, const Tip* end, double ti
   return false;
 }
 
-/// From the centre of a sphere that is tangent to three faces of a box to their corner, in radii.
+/// Distance from the centre of a sphere tangent to three faces of a box to their corner, in radii.
 const double inset = std::sqrt(3.0);
 
 ShapeCover cover_of(const BodyConfig& body, const ShapeConfig& shape) {

@@ -1,11 +1,13 @@
-// Shapes that touch others by the spheres of their body alone: narrower solids pass between these at any speed.
+// Shapes that touch others only with the spheres of their body, so that narrower solids pass between these at
+// any speed.
 //
-// A shape is touched by spheres and nodes of nets; boxes of two bodies also touch at their edges. No two shapes
-// are compared otherwise (core/contact/find/find.h). So a body that has shapes misses
+// A shape is touched by spheres and nodes of nets. Boxes of two bodies also touch at their edges. No other
+// shapes are compared (core/contact/find/find.h). So a body with shapes misses
 //
-//   obstacles, other than planes, unless one of its spheres holds the shape;
+//   obstacles other than planes, unless one of its spheres contains the shape;
 //   planes, unless a sphere is set at each corner and end of the shape;
-//   shapes of other bodies, unless a sphere holds one of the two, or both are boxes with all corners held.
+//   shapes of other bodies, unless a sphere contains one of the two, or both are boxes with all corners
+//   covered.
 #pragma once
 
 #include <string>
@@ -15,7 +17,7 @@
 
 namespace godobject {
 
-/// How much of its shapes the spheres of a body stand for.
+/// Cover of a body's shapes by its spheres.
 enum class ShapeCover : std::uint8_t {
   none,
   tips,   // a sphere is set at each corner of a box and each end of a capsule
@@ -24,24 +26,24 @@ enum class ShapeCover : std::uint8_t {
 
 ShapeCover shape_cover(const BodyConfig& body);
 
-/// True if a body's shapes meet an obstacle of this kind wherever they come to it.
+/// True if a body with this cover touches an obstacle of this kind at every place of its shapes.
 bool meets_obstacle(ShapeCover cover, ShapeKind obstacle);
 
-/// True if two bodies that may touch meet each other wherever they come together.
+/// True if two bodies that may touch do so at every place of their shapes.
 bool meet_each_other(const BodyConfig& a, const BodyConfig& b);
 
-/// Bodies whose shapes meet others by spheres alone, each with the first of the others.
+/// A body whose shapes touch others only with spheres, and the first of the others.
 struct SpheresAlone {
   std::string body, other;     // names: "tray", "obstacle 'post'"
-  std::size_t num_others = 0;  // that it meets so
+  std::size_t num_others = 0;  // number of the others
 };
 std::vector<SpheresAlone> spheres_alone(const SceneConfig& scene);
 
-/// Spheres whose centres begin within a solid that they are to touch.
+/// Spheres whose centres start inside a solid that they can touch.
 struct BuriedSpheres {
   std::size_t num = 0;
   std::string deepest;  // "sphere of body 'tool' in obstacle 'wall'"
-  double depth = 0;     // of the deepest, from its lowest point to the surface, m
+  double depth = 0;     // m, from the lowest point of the deepest sphere to the surface
 };
 BuriedSpheres buried_spheres(const SceneConfig& scene);
 

@@ -12,7 +12,7 @@ namespace {
 
 Pose inverse(const Pose& X) { return {-(X.q.conjugate() * X.p), X.q.conjugate()}; }
 
-/// Where a body of the instrument is on the device.
+/// Pose of a body of the instrument on the device.
 struct Place {
   std::string link;  // name of the joint that carries it, or base_name
   Pose X_LB;
@@ -32,21 +32,21 @@ class DeviceBuilder {
   }
 
  private:
-  /// The coordinates of a joint one after the other, from the parent's frame to the child's.
+  /// Adds the coordinates of a joint one after the other, from the parent's frame to the child's.
   void add(const JointConfig& joint) {
     const auto parent = places_.find(joint.parent);
-    if (parent == places_.end()) return;  // nothing joins it to the world
+    if (parent == places_.end()) return;  // no joint connects it to the world
     Place at{parent->second.link, composed(parent->second.X_LB, joint.X_BP)};
     if (is_ball(joint.kind)) {
       device_.errors.push_back("joint '" + joint.name +
-                               "' is a ball joint, which no encoder measures: describe the device by "
+                               "' is a ball joint, which encoders cannot measure: describe the device by "
                                "[[device.joint]] and [[device.handle]] tables");
       return;
     }
     for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
       if (joint.coordinates[i] == base_name)
         device_.errors.push_back("coordinate '" + joint.coordinates[i] + "' of joint '" + joint.name +
-                                 "' is what the device's base is called: give it another name");
+                                 "' is the name of the device's base: choose another name");
       device_.tree.joints.push_back(
           {.name = joint.coordinates[i],
            .parent = at.link,
@@ -64,7 +64,7 @@ class DeviceBuilder {
     if (moves) {
       device_.tree.handles.push_back({.body = body, .joint = at->second.link, .X_LH = at->second.X_LB});
     } else if (device_.errors.empty()) {
-      device_.errors.push_back("no joints with coordinates lead from the world to body '" + body +
+      device_.errors.push_back("no joints with coordinates connect the world to body '" + body +
                                "', so no handle can move it: describe the device by [[device.joint]] and "
                                "[[device.handle]] tables, or remove its [body.coupling]");
     }

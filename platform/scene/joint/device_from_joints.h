@@ -1,4 +1,4 @@
-// A device with the kinematics of the virtual instrument: its joints are those of the scene.
+// A device with the kinematics of the virtual instrument, whose joints are those of the scene.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace godobject {
 
 struct DeviceTree {
   KinematicTreeParams tree;
-  std::vector<std::string> errors;  // why there is no such device; then the tree is incomplete
+  std::vector<std::string> errors;  // reasons why there is no such device; if any, the tree is incomplete
 };
 
-/// A hinge or slider for each named coordinate, called like it, and a handle at the body frame of each
-/// coupled body: at coordinates q the handles are where the bodies of the instrument would be. Bodies:
-/// parents first.
+/// Makes a hinge or slider for each named coordinate, with its name, and a handle at the frame of each
+/// coupled body. At coordinates q the handles have the poses of the instrument's bodies. Bodies: parents
+/// first.
 DeviceTree device_from_joints(const SceneConfig& scene);
 
 }  // namespace godobject

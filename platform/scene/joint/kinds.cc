@@ -55,7 +55,7 @@ bool is_along_z(JointKind kind) noexcept {
   return num_coordinates(kind) > 0;
 }
 
-/// Two coordinates are a turn and a slide, or told apart by their axes.
+/// Two coordinates are named as a turn and a slide, or by their axes.
 std::vector<std::string> default_coordinates(const std::string& joint, JointKind kind) {
   const std::size_t n = num_coordinates(kind);
   if (n == 1) return {joint};
@@ -70,7 +70,8 @@ std::vector<std::string> default_coordinates(const std::string& joint, JointKind
   return names;
 }
 
-/// One turn leaves its axis to both frames, two keep the angle between the parent's first and the child's second.
+/// One turn keeps its axis common to both frames. Two turns keep the angle between the parent's first axis
+/// and the child's second.
 double angular_gap(JointKind kind, const JointFrames& X) noexcept {
   const Vec3 first = axis_at_zero(kind, 0), second = axis_at_zero(kind, 1);
   switch (num_axes(kind).turns) {

@@ -1,7 +1,4 @@
-// What scene files say of the kinds of joints of core/joint/list.h, taken from the kinds themselves.
-//
-// The room: tree.h checks that joints make trees, params.h is a joint in the core's terms, device_from_joints.h the joints of a
-// device that a scene's joints imply.
+// Properties of the kinds of joints for scene files, derived from core/joint/list.h.
 #pragma once
 
 #include <string>
@@ -11,35 +8,36 @@
 
 namespace godobject {
 
-/// Names of JointKind in scene files, in its order, but for `free`: that is a body without a joint.
+/// Returns the names of JointKind in scene files, in its order, without `free`, which is a body without a
+/// joint.
 std::vector<std::string> joint_kind_names();
 
-/// What joints of these kinds let the child do, in the same order.
+/// Returns the motions that joints of these kinds allow, in the same order.
 std::string joint_kind_meanings();
 
 inline bool is_ball(JointKind kind) noexcept { return num_axes(kind).turns == 3; }
 
-/// Coordinates that have a name: a ball joint's turns have none.
+/// Returns the number of named coordinates; the turns of a ball joint have no names.
 inline std::size_t num_coordinates(JointKind kind) noexcept {
   const NumAxes n = num_axes(kind);
   return is_ball(kind) ? 0 : static_cast<std::size_t>(n.turns + n.slides);
 }
 
-/// Whether coordinate i of the joint is a turn, rad; otherwise it is a slide, m.
+/// True if coordinate i is a turn, rad; a slide, m, otherwise.
 inline bool is_turn(JointKind kind, std::size_t i) noexcept {
   return i < static_cast<std::size_t>(num_axes(kind).turns);
 }
 
-/// Unit axis of coordinate i where all are zero, in the frame that both bodies then share.
+/// Returns the unit axis of coordinate i, in the common frame of both bodies at coordinates zero.
 Vec3 axis_at_zero(JointKind kind, std::size_t i) noexcept;
 
-/// All its axes, if any have a name, are the frames' z.
+/// True if the axes of all named coordinates are the frames' z, or if there are none.
 bool is_along_z(JointKind kind) noexcept;
 
-/// Names for coordinates that have none.
+/// Returns default names of the coordinates.
 std::vector<std::string> default_coordinates(const std::string& joint, JointKind kind);
 
-/// Angle between the frames that the joint does not allow, rad.
+/// Returns the angle between the frames that violates the joint, rad.
 double angular_gap(JointKind kind, const JointFrames& X) noexcept;
 
 }  // namespace godobject

@@ -46,7 +46,7 @@ void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joint
     Pose& X = bodies[i].X_WB;
     const std::size_t parent = index_of(bodies, joint->parent);
     if (parent < i) {
-      // with its parent
+      // moves with its parent
       const Pose &from = placed[parent].X_WB, &to = bodies[parent].X_WB;
       if (from.p != to.p || from.q.coeffs() != to.q.coeffs()) {
         const Quat turn = (to.q * from.q.conjugate()).normalized();
@@ -57,7 +57,7 @@ void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joint
     const JointFrames found = frames_at_start(bodies, *joint);
     with_joint(joint->kind, [&](auto kind) {
       using Kind = decltype(kind);
-      JointFrames held = found;  // the parent's frame at the child's coordinates
+      JointFrames held = found;  // frame of the parent at the child's coordinates
       if constexpr (requires { Kind::coordinates(found); }) held = Kind::at(found, Kind::coordinates(found));
       const Quat turn(Mat3(held.R_WP * found.R_WC.transpose()));
       const Vec3 anchor = X.p + X.q * joint->X_BC.p - held.d_W;

@@ -12,12 +12,13 @@ std::string JointTree::add(const JointConfig& joint) {
     if (joints->size() == 1)
       return "joints '" + joints->front() + "' and '" + joint.name + "' both join '" + joint.parent +
              "' and '" + joint.child +
-             "': what both hold is held twice; leave one of them out, or make them one joint of another kind";
+             "', which constrains some motion twice: remove one of them, or make them one joint of another "
+             "kind";
     std::string names;
     for (const std::string& name : *joints) names += "'" + name + "', ";
     return "joints " + names + "'" + joint.name +
-           "' close a loop: a tool is a tree; leave one of them out, or pull the loop together by "
-           "couplings to the device";
+           "' close a loop, but a tool must be a tree: remove one of them, or close the loop by couplings to "
+           "the device";
   }
   const auto earlier = std::ranges::find(edges_, joint.child, &Edge::child);
   if (earlier != edges_.end())
@@ -33,7 +34,7 @@ std::optional<std::vector<std::string>> JointTree::way(const std::string& from, 
   return joints;
 }
 
-/// The joints before are a forest: a way that does not turn back meets no body twice.
+/// Searches the earlier joints, which are a forest: a path that does not turn back meets no body twice.
 bool JointTree::extend_way(const std::string& from, const std::string& to,
                            std::vector<std::string>& joints) const {
   if (from == to) return true;

@@ -1,4 +1,4 @@
-// Joints as edges between bodies: what does not make a tree is refused by the names of the joints.
+// Joints as edges between bodies; joints that do not form a tree are rejected by name.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace godobject {
 
-/// Joints taken one after the other, each checked against those before.
+/// Adds joints one by one, each checked against the earlier ones.
 class JointTree {
  public:
-  /// Adds a joint whose bodies exist. Empty, or why it cannot be in one tree with the earlier ones and what
-  /// to do.
+  /// Adds a joint whose bodies exist. Returns why it cannot form a tree with the earlier ones, with the
+  /// remedy; empty on success.
   std::string add(const JointConfig& joint);
 
  private:
@@ -21,14 +21,15 @@ class JointTree {
     std::string name, parent, child;
   };
 
-  /// Names of the joints on the way between two bodies, or between a body and the world; none: not joined.
+  /// Returns the names of the joints on the path between two bodies, or a body and the world; none if they
+  /// are not connected.
   std::optional<std::vector<std::string>> way(const std::string& from, const std::string& to) const;
   bool extend_way(const std::string& from, const std::string& to, std::vector<std::string>& joints) const;
 
   std::vector<Edge> edges_;
 };
 
-/// The bodies with every parent before its children, otherwise in the order they are in. joints: a tree.
+/// Returns the bodies with every parent before its children, otherwise in their order. joints: a tree.
 std::vector<BodyConfig> parents_first(const std::vector<BodyConfig>& bodies,
                                       const std::vector<JointConfig>& joints);
 

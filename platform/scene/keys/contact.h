@@ -1,5 +1,5 @@
-// Every key of contacts, once: spheres and shapes of bodies, obstacles, pairs of materials. See platform/scene/text/visit.h
-// for what walks it.
+// All keys of contacts: spheres and shapes of bodies, obstacles, pairs of materials. Visitors:
+// platform/scene/text/visit.h.
 #pragma once
 
 #include <cmath>
@@ -18,32 +18,32 @@ inline constexpr double default_contact_damping_ratio = 1.4;
 
 /// Names of ShapeKind in scene files, in its order.
 inline constexpr std::array shape_kind_names{"plane", "box", "sphere", "capsule", "height-field", "mesh"};
-/// And of those that bodies may carry: the same without the first and the last two.
+/// Names of the shapes that bodies may carry.
 inline constexpr std::array body_shape_kind_names{"box", "sphere", "capsule"};
 
 template <class V>
 void visit_material(V& v, std::string& material) {
-  v.value(Key{"material", "", "what it is made of: [[contact]] says what two materials do where they meet"},
-          material);
+  v.value(
+      Key{"material", "", "name of its material: [[contact]] has the parameters of each pair of materials"},
+      material);
   v.check(is_plain_name(material), "material", "must be one or more letters, digits, '_' or '-'");
 }
 
 template <class V>
 void visit_sphere(V& v, SphereConfig& s) {
-  v.value(Key{"position", "m", "its centre, body axes about the centre of mass"}, s.p_B);
-  v.value(Key{"radius", "m", "its radius", positive, true}, s.radius);
+  v.value(Key{"position", "m", "centre of the sphere in body axes about the centre of mass"}, s.p_B);
+  v.value(Key{"radius", "m", "radius of the sphere", positive, true}, s.radius);
   visit_material(v, s.material);
-  v.value(Key{"count", "", "so many equal spheres in a row", {1, 1e4}}, s.count);
-  v.value(Key{"spacing", "m", "from one centre of the row to the next, body axes"}, s.spacing);
-  v.check(s.count == 1 || s.spacing.norm() > 0, "spacing",
-          "must not be zero where there are several spheres");
+  v.value(Key{"count", "", "number of equal spheres in the row", {1, 1e4}}, s.count);
+  v.value(Key{"spacing", "m", "vector from one centre of the row to the next, body axes"}, s.spacing);
+  v.check(s.count == 1 || s.spacing.norm() > 0, "spacing", "must not be zero if count is above 1");
 }
 
-/// A dimension that only some kinds have.
+/// Visits a dimension that only some kinds have.
 template <class V, class T>
 void visit_dimension(V& v, bool needed, const Key& key, std::optional<T>& x) {
   v.value(key, x);
-  v.check(!needed || x, key.name, "is missing: this kind of shape needs it");
+  v.check(!needed || x, key.name, "is missing: this kind of shape requires it");
   v.check(needed || !x, key.name, "has no meaning for this kind of shape: remove it");
 }
 
@@ -51,11 +51,10 @@ template <class V>
 void visit_dimensions(V& v, ShapeConfig& s) {
   const bool round = s.kind == ShapeKind::sphere || s.kind == ShapeKind::capsule;
   visit_dimension(v, s.kind == ShapeKind::box,
-                  Key{"half_extents", "m", "of a box: half its edges along x, y, z", positive},
-                  s.half_extents);
-  visit_dimension(v, round, Key{"radius", "m", "of a sphere or capsule", positive}, s.radius);
+                  Key{"half_extents", "m", "box: half its edges along x, y, z", positive}, s.half_extents);
+  visit_dimension(v, round, Key{"radius", "m", "sphere or capsule: radius", positive}, s.radius);
   visit_dimension(v, s.kind == ShapeKind::capsule,
-                  Key{"half_length", "m", "of a capsule: half the distance of its two centres on the z axis",
+                  Key{"half_length", "m", "capsule: half the distance between its two centres on the z axis",
                       not_negative},
                   s.half_length);
 }
@@ -63,7 +62,7 @@ void visit_dimensions(V& v, ShapeConfig& s) {
 template <class V>
 void visit_body_shape(V& v, ShapeConfig& s) {
   std::size_t kind = static_cast<std::size_t>(s.kind) - 1;
-  v.one_of(Key{"kind", "", "edges along x, y, z; about its centre; along z"},
+  v.one_of(Key{"kind", "", "kind of solid: box with edges along x, y, z; sphere; capsule along z"},
            {body_shape_kind_names.begin(), body_shape_kind_names.end()}, kind);
   s.kind = static_cast<ShapeKind>(kind + 1);
   visit_pose(v, "position", "orientation_wxyz", "the shape in body axes about the centre of mass", s.X);
@@ -73,17 +72,17 @@ void visit_body_shape(V& v, ShapeConfig& s) {
 
 template <class V>
 void visit_spheres_and_shapes(V& v, BodyConfig& b) {
-  // A list that is not in the file stays that of the body this one is like.
+  // Without a table in the file the list of the body named by `like` is kept.
   std::vector<SphereConfig> spheres = b.spheres;
-  v.tables(TableKey{"sphere", "A sphere fixed on the body, or a row of equal ones: what it touches with."},
+  v.tables(TableKey{"sphere",
+                    "A sphere fixed on the body, or a row of equal ones, by which the body touches others."},
            spheres, [&](auto& t, SphereConfig& s) { visit_sphere(t, s); });
   if (!spheres.empty()) b.spheres = spheres;
   std::vector<ShapeConfig> shapes = b.shapes;
-  v.tables(
-      TableKey{"shape",
-               "A solid fixed on the body: where spheres of other bodies touch it. Without one they touch "
-               "its spheres."},
-      shapes, [&](auto& t, ShapeConfig& s) { visit_body_shape(t, s); });
+  v.tables(TableKey{"shape",
+                    "A solid fixed on the body, which spheres of other bodies touch. Without one they touch "
+                    "its spheres."},
+           shapes, [&](auto& t, ShapeConfig& s) { visit_body_shape(t, s); });
   if (!shapes.empty()) b.shapes = shapes;
 }
 
@@ -93,16 +92,15 @@ void visit_obstacle_file(V& v, ObstacleConfig& o) {
   const bool mesh = kind == ShapeKind::mesh, heights = kind == ShapeKind::height_field;
   const std::string path = v.path(
       Key{"file", "",
-          "of a mesh: closed, STL, OBJ or PLY; of a height field: rows of heights (m) between commas; of "
-          "a sphere: "
-          "centres of many in its axes, CSV with columns x, y, z (m). In the scene file's folder, or below"},
+          "mesh: closed, STL, OBJ or PLY; height field: rows of heights (m) between commas; sphere: centres "
+          "of many in its axes, CSV with columns x, y, z (m). In the scene file's folder, or below"},
       o.file);
   v.check(!(mesh || heights) || !o.file.empty(), "file",
           "is missing: a mesh or height field is read from one");
-  v.value(Key{"scale", "m", "of a mesh: length of one unit of its file; 1 without", positive}, o.scale);
+  v.value(Key{"scale", "m", "mesh: length of one unit of its file; default 1", positive}, o.scale);
   v.check(mesh || !o.scale, "scale", "has no meaning for this kind of obstacle: remove it");
   visit_dimension(v, heights,
-                  Key{"spacing", "m", "of a height field: between neighbours of its grid", positive},
+                  Key{"spacing", "m", "height field: distance between neighbours of its grid", positive},
                   o.spacing);
   if (path.empty()) return;
   const std::string why_not = load_file(path, o);
@@ -113,24 +111,23 @@ void visit_obstacle_file(V& v, ObstacleConfig& o) {
 
 template <class V>
 void visit_obstacle(V& v, ObstacleConfig& o) {
-  visit_name(v, "name of the obstacle, for messages", o.name);
-  choose(
-      v,
-      Key{"kind", "",
-          "plane: z = 0 of its frame, solid below; box; sphere; capsule along z; height-field: solid below, "
-          "from its corner along x and y; mesh: solid inside"},
-      shape_kind_names, o.shape.kind);
+  visit_name(v, "name of the obstacle in messages", o.name);
+  choose(v,
+         Key{"kind", "",
+             "kind of solid. plane: z = 0 of its frame, solid below; box; sphere; capsule along z; "
+             "height-field: solid below, from its corner along x and y; mesh: solid inside"},
+         shape_kind_names, o.shape.kind);
   visit_pose(v, "position", "orientation_wxyz", "its frame in the world", o.shape.X);
   visit_dimensions(v, o.shape);
   visit_obstacle_file(v, o);
   visit_material(v, o.shape.material);
 }
 
-/// mass: what a damping ratio of one is about, kg.
+/// mass: mass at which a damping ratio of one is critical, kg.
 template <class V>
 void visit_law(V& v, double mass, ContactConfig& c) {
-  v.value(Key{"stiffness", "N/m", "normal stiffness k of each sphere: spheres that share a load add up",
-              positive, true},
+  v.value(Key{"stiffness", "N/m",
+              "normal stiffness k of each sphere; those of spheres that share a load add up", positive, true},
           c.stiffness);
   const double unit = std::sqrt(mass * c.stiffness);
   v.either(Key{"damping", "N s/m", "normal damping c; or give `damping_ratio`", not_negative},
@@ -139,29 +136,29 @@ void visit_law(V& v, double mass, ContactConfig& c) {
                "c / sqrt(m k), m: the lightest body of the two materials; 1.4 by default",
                {0, 1e6}},
            unit, default_contact_damping_ratio * unit, c.damping);
-  v.value(Key{"friction", "", "coefficient of friction mu, sticking and slipping", {0, 100}}, c.friction);
+  v.value(Key{"friction", "", "coefficient of friction mu, for sticking and slipping", {0, 100}}, c.friction);
   if (!c.tangential_stiffness) c.tangential_stiffness = c.stiffness;
   v.value(Key{.name = "tangential_stiffness",
               .unit = "N/m",
-              .meaning = "tangential stiffness k_t, while sticking",
+              .meaning = "tangential stiffness k_t while sticking",
               .range = not_negative,
               .otherwise = "`stiffness`"},
           c.tangential_stiffness);
   if (!c.tangential_damping) c.tangential_damping = c.damping;
   v.value(Key{.name = "tangential_damping",
               .unit = "N s/m",
-              .meaning = "tangential damping c_t, while sticking",
+              .meaning = "tangential damping c_t while sticking",
               .range = not_negative,
               .otherwise = "`damping`"},
           c.tangential_damping);
   v.check(c.friction == 0 || c.tangential_stiffness.value_or(0) > 0 || c.tangential_damping.value_or(0) > 0,
-          "tangential_stiffness", "and 'tangential_damping' must not both be zero where there is friction");
+          "tangential_stiffness", "and 'tangential_damping' must not both be zero if friction is above 0");
   v.value(Key{"push_out_speed", "m/s",
-              "depenetration velocity: at which bodies that were put into each other part", positive},
+              "depenetration velocity, at which bodies that start inside each other separate", positive},
           c.push_out_speed);
 }
 
-/// Obstacles and contacts; bodies and joints have been visited.
+/// Visits obstacles and contacts, after bodies and joints.
 template <class V>
 void visit_contacts(V& v, SceneConfig& s) {
   std::set<std::string> names;
@@ -174,16 +171,18 @@ void visit_contacts(V& v, SceneConfig& s) {
     return std::ranges::find(used, name, &MaterialUse::material) != used.end();
   };
   std::set<std::set<std::string>> pairs;
-  v.tables(TableKey{"contact", "What contacts do where two materials meet."}, s.contacts,
+  v.tables(TableKey{"contact", "Parameters of contacts between two materials."}, s.contacts,
            [&](auto& t, ContactConfig& c) {
              t.value(Key{.name = "materials",
                          .unit = "",
-                         .meaning = "the two, in any order; twice the same for a material against itself",
+                         .meaning = "names of the two materials, in any order; the same name twice for a "
+                                    "material against itself",
                          .required = true},
                      c.materials);
              t.check(c.materials.size() == 2, "materials", "must be two names: [\"a\", \"b\"]");
              for (const std::string& name : c.materials)
-               t.advise(is_used(name), "materials", "has '" + name + "', of which nothing is made");
+               t.advise(is_used(name), "materials",
+                        "has '" + name + "', which no sphere, shape, obstacle or net has");
              t.check(pairs.insert({c.materials.begin(), c.materials.end()}).second, "materials",
                      "are those of an earlier [[contact]]");
              visit_law(t, lightest_of(s, c.materials), c);

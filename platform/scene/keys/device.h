@@ -1,4 +1,4 @@
-// Every key below [device] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+// All keys below [device] of a scene file. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <numbers>
@@ -19,46 +19,47 @@ inline constexpr double default_stale_steps = 3;
 
 template <class V>
 void visit_limits(V& v, LimitConfig& l) {
-  v.value(Key{"force", "N", "largest force shown to the hand", positive}, l.force);
-  v.value(Key{"torque", "N m", "largest torque shown to the hand", positive}, l.torque);
-  v.value(Key{"force_rate", "N/s", "fastest change of that force", positive}, l.force_rate);
-  v.value(Key{"torque_rate", "N m/s", "fastest change of that torque", positive}, l.torque_rate);
-  v.value(Key{"ramp", "s", "from engage to full coupling and feedback; 0: at once", {0, 60}}, l.ramp);
-  v.value(Key{"grab_ramp", "s", "the same where the device takes hold of bodies", {0, 60}}, l.grab_ramp);
+  v.value(Key{"force", "N", "largest displayed force", positive}, l.force);
+  v.value(Key{"torque", "N m", "largest displayed torque", positive}, l.torque);
+  v.value(Key{"force_rate", "N/s", "largest rate of the displayed force", positive}, l.force_rate);
+  v.value(Key{"torque_rate", "N m/s", "largest rate of the displayed torque", positive}, l.torque_rate);
+  v.value(Key{"ramp", "s", "time from engaging to full coupling and feedback; 0: at once", {0, 60}}, l.ramp);
+  v.value(Key{"grab_ramp", "s", "time from gripping a body to full coupling and feedback", {0, 60}},
+          l.grab_ramp);
 }
 
-/// Names that joints, handles, encoders and drives refer to.
+/// Names to which joints, handles, encoders and drives refer.
 struct RigNames {
-  std::vector<std::string> bodies;  // that can have a handle
+  std::vector<std::string> bodies;  // those that can have a handle
   std::vector<std::string> buses, joints;
-  std::vector<DeviceJointKind> kinds;  // of joints
+  std::vector<DeviceJointKind> kinds;  // kinds of the joints
 };
 
 template <class V>
 void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
   visit_name(v, "name of the joint: other joints, handles, encoders, drives and motion columns refer to it",
              j.name);
-  v.check(j.name != base_name, "name", "is what the base is called: choose another name");
+  v.check(j.name != base_name, "name", "is the name of the base: choose another name");
   std::vector<std::string> parents{base_name};
   parents.insert(parents.end(), names.joints.begin(), names.joints.end());
   if (j.parent.empty()) j.parent = parents.back();
   choose(v,
          Key{.name = "parent",
              .unit = "",
-             .meaning = "joint on whose link it sits, earlier in the file, or `\"base\"`",
+             .meaning = "parent: joint on whose link it sits, earlier in the file, or `\"base\"`",
              .otherwise = "the joint before it"},
          parents, j.parent);
-  choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: in m along it"},
+  choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: coordinate in m along `axis`"},
          std::array{"hinge", "slider"}, j.kind);
   visit_pose(v, "position", "orientation_wxyz", "the joint frame in the parent's link frame at coordinate 0",
              j.X_PJ);
-  v.unit_vector(Key{"axis", "", "unit vector in the joint frame"}, j.axis_J);
+  v.unit_vector(Key{"axis", "", "axis of the joint: unit vector in the joint frame"}, j.axis_J);
 }
 
 template <class V>
 void visit_node(V& v, const RigNames& names, std::string_view id_meaning, std::size_t& bus,
                 std::uint8_t& node_id) {
-  v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus it hangs on", .required = true},
+  v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus of the node", .required = true},
            names.buses, bus);
   v.value(Key{"node_id", "", id_meaning, {1, 127}, true}, node_id);
 }
@@ -67,12 +68,12 @@ template <class V>
 void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning, std::string& joint,
                        std::size_t& bus, std::uint8_t& node_id, std::string& profile,
                        unsigned& profile_line) {
-  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of the joint it sits on", .required = true},
-         names.joints, joint);
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of its joint", .required = true}, names.joints,
+         joint);
   visit_node(v, names, id_meaning, bus, node_id);
   v.value(Key{"profile", "",
-              "how a CANopen node is set up, see docs/canopen.md; empty: not at all, it is as the "
-              "rig expects it"},
+              "profile by which a CANopen node is commissioned, see docs/canopen.md; empty: not "
+              "commissioned, because it is configured already"},
           profile);
   profile_line = v.line_of("profile");
 }
@@ -81,8 +82,8 @@ template <class V>
 void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_meaning,
                        const RigNames& names, const std::string& joint, Calibration& c) {
   v.either(Key{"counts_per_unit", "1/rad or 1/m", counts_meaning, positive, true},
-           Key{"counts_per_turn", "", "counts per full turn of a hinge", positive},
-           1 / (2 * std::numbers::pi), std::nullopt, c.counts_per_unit);
+           Key{"counts_per_turn", "", "counts per turn of a hinge", positive}, 1 / (2 * std::numbers::pi),
+           std::nullopt, c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
   const bool slider = index < names.kinds.size() && names.kinds[index] == DeviceJointKind::slider;
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
@@ -97,9 +98,9 @@ void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_
 
 template <class V>
 void visit_max_speed(V& v, double& max_speed) {
-  v.value(
-      Key{"max_speed", "rad/s or m/s", "of the joint: a sample that implies more is not plausible", positive},
-      max_speed);
+  v.value(Key{"max_speed", "rad/s or m/s",
+              "largest plausible speed of the joint; a sample that implies more is rejected", positive},
+          max_speed);
 }
 
 template <class V>
@@ -114,11 +115,14 @@ template <class V>
 void visit_watchdog(V& v, DriveParams& d) {
   choose(v,
          Key{"watchdog", "",
-             "what stops the motor when the host has died. host: what the `profile` or the protocol sets up; "
-             "drive: what is set in the drive already, as on an ODrive; none: nothing, and that is accepted. "
-             "A scene that shows force is refused where it is host and nothing is set up"},
+             "watchdog that stops the motor when the host has died. host: set up by the `profile` or the "
+             "protocol; drive: set in the drive already, as on an ODrive; none: no watchdog, by intent. A "
+             "scene that displays force is refused if this is host and no watchdog is set up"},
          drive_watchdog_names, d.watchdog);
-  v.value(Key{"watchdog_ms", "ms", "with `watchdog = \"drive\"`: the time that is set there", {1, 65535}},
+  v.value(Key{"watchdog_ms",
+              "ms",
+              "time of the watchdog set in the drive, with `watchdog = \"drive\"`",
+              {1, 65535}},
           d.watchdog_ms);
 }
 
@@ -126,13 +130,16 @@ template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   visit_sensor_node(v, names, "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", d.joint, d.bus,
                     d.node_id, d.profile, d.profile_line);
-  choose(v, Key{"protocol", "", "what it speaks, see docs/new-device.md; each protocol has a bus of its own"},
+  choose(v,
+         Key{"protocol", "",
+             "protocol of the drive, see docs/new-device.md; each protocol requires a bus of its own"},
          drive_protocol_names, d.protocol);
   const BusProtocol protocol = bus_protocol(d.protocol);
   v.check(protocol.canopen || d.profile.empty(), "profile", "has no meaning with this protocol: remove it");
   v.check(d.node_id <= protocol.max_node_id, "node_id",
           "must be at most " + std::to_string(protocol.max_node_id) + " with this protocol");
-  v.value(Key{"torque_rated_Nm", "N m", "CiA 402: object 6076h, targets travel in per mille of it", positive},
+  v.value(Key{"torque_rated_Nm", "N m",
+              "CiA 402: rated torque, object 6076h, of which targets are sent in per mille", positive},
           d.torque_rated_Nm);
   v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive},
           d.torque_max_Nm);
@@ -144,8 +151,12 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad",
               "transmission: joint coordinate per rad of the motor", positive},
           d.joint_per_motor_rad);
-  visit_sign(v, Key{"sign", "", "1 or -1: of a positive motor torque on the joint", {-1, 1}}, d.sign);
-  v.value(Key{"status_every_nth_sync", "", "CiA 402: transmission type of its TPDO1", {1, 240}},
+  visit_sign(v, Key{"sign", "", "1 or -1: sign of the joint torque of a positive motor torque", {-1, 1}},
+             d.sign);
+  v.value(Key{"status_every_nth_sync",
+              "",
+              "CiA 402: transmission type of its TPDO1, one status every n-th SYNC",
+              {1, 240}},
           d.status_every_nth_sync);
   v.check(protocol.canopen || d.status_every_nth_sync == 1, "status_every_nth_sync",
           "must be 1 with this protocol: the drive answers every request");
@@ -157,34 +168,33 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
   visit_max_speed(v, d.max_speed);
   visit_watchdog(v, d);
   v.value(Key{"max_slip", "rad or m",
-              "of the joint: how far its position may part from the encoder's, once enabled, before that is "
-              "the fault `sensors_disagree`, and its travel in `stale_after` on top while it moves; 0: not "
-              "compared; without an encoder there is nothing to compare",
+              "largest difference between the drive's position and the encoder's, once enabled; a larger one "
+              "is the fault `sensors_disagree`. While the joint moves, its travel in `stale_after` is added. "
+              "0: not compared, as without an encoder",
               not_negative, false, "0.05 rad of a hinge, 0.005 m of a slider, and 2 counts of each sensor"},
           d.max_slip);
 }
 
 template <class V>
 void visit_button(V& v, const RigNames& names, ButtonParams& b) {
-  choose(
-      v,
-      Key{"use", "",
-          "hold: pressed it takes hold of the nearest body, pressed again it lets go; clutch: of a relative "
-          "device, closed while pressed"},
-      button_use_names, b.use);
+  choose(v,
+         Key{"use", "",
+             "function. hold: grips the nearest body when pressed, releases it when pressed again; clutch: "
+             "closes the clutch of a relative device while pressed"},
+         button_use_names, b.use);
   visit_node(v, names, "CANopen node-ID", b.bus, b.node_id);
-  v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
-  v.value(Key{"active_low", "", "pressed is 0"}, b.active_low);
+  v.value(Key{"bit", "", "number of the bit among the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
+  v.value(Key{"active_low", "", "true if the input is 0 while pressed"}, b.active_low);
 }
 
-/// What a slider moves by default: 0.1 kg with 1 N s/m, which are a hinge's 1e-3 kg m^2 and 1e-2 N m s/rad on a
-/// lever of 0.1 m, held by an arm of some 500 N/m.
+/// Default mechanics of a slider, equal to those of a hinge of 1e-3 kg m^2 and 1e-2 N m s/rad on a lever of
+/// 0.1 m. The arm has about 500 N/m.
 inline constexpr JointPlant plant_of_sliders{
     .inertia = 0.1, .damping = 1, .friction = 0.01, .hand_stiffness = 500, .hand_damping = 10};
 
 inline bool is_slider(const DeviceJoint& joint) { return joint.kind == DeviceJointKind::slider; }
 
-/// otherwise: a text for each of the five keys.
+/// otherwise: text of the default of each of the five keys.
 template <class V>
 void visit_joint_plant(V& v, const std::array<std::string_view, 5>& otherwise, JointPlant& p) {
   std::size_t i = 0;
@@ -193,19 +203,20 @@ void visit_joint_plant(V& v, const std::array<std::string_view, 5>& otherwise, J
     v.value(Key{.name = name, .unit = unit, .meaning = meaning, .range = range, .otherwise = otherwise[i++]},
             x);
   };
-  value("inertia", "kg m^2 or kg", "of a turn or a slide, seen at the joint", positive, p.inertia);
+  value("inertia", "kg m^2 or kg", "inertia of a turn or mass of a slide, seen at the joint", positive,
+        p.inertia);
   value("damping", "N m s/rad or N s/m",
-        "viscous, of a turn or a slide, without the hand; the margins that `godobject check` prints rest on "
-        "it: state it of a device that exists, too",
+        "viscous damping of a turn or a slide, without the hand. The margins of `godobject check` depend on "
+        "it: state it for a real device, too",
         not_negative, p.damping);
-  value("friction", "N m or N", "Coulomb, of a turn or a slide", not_negative, p.friction);
-  value("hand_stiffness", "N m/rad or N/m", "of the user's arm, at a turn or a slide", not_negative,
+  value("friction", "N m or N", "Coulomb friction of a turn or a slide", not_negative, p.friction);
+  value("hand_stiffness", "N m/rad or N/m", "stiffness of the user's arm at a turn or a slide", not_negative,
         p.hand_stiffness);
-  value("hand_damping", "N m s/rad or N s/m", "of the user's arm, at a turn or a slide", not_negative,
+  value("hand_damping", "N m s/rad or N s/m", "damping of the user's arm at a turn or a slide", not_negative,
         p.hand_damping);
 }
 
-/// What a device has that states nothing of its mechanics: slides have their own numbers.
+/// Returns the mechanics of a device whose file has none; slides have defaults of their own.
 inline PlantConfig default_plant(const std::vector<DeviceJoint>& joints) {
   PlantConfig plant;
   if (!joints.empty() && std::ranges::all_of(joints, is_slider)) {
@@ -217,7 +228,7 @@ inline PlantConfig default_plant(const std::vector<DeviceJoint>& joints) {
   return plant;
 }
 
-/// A number of the table that is for all joints is for those with numbers of their kind, too.
+/// Copies values given for all joints to the joints with defaults of their kind.
 template <class V>
 void take_numbers_of_all(const V& v, PlantConfig& p) {
   const auto take = [&](std::string_view key, double JointPlant::*x) {
@@ -231,7 +242,8 @@ void take_numbers_of_all(const V& v, PlantConfig& p) {
   take("hand_damping", &JointPlant::hand_damping);
 }
 
-/// A number for turns and slides has two units. own: joints with a table of their own.
+/// Warns of one value for turns and slides, whose units differ.
+/// own: joints with a table of their own.
 template <class V>
 void advise_on_units(V& v, const std::vector<DeviceJoint>& joints,
                      const std::vector<PlantConfig::OfJoint>& own) {
@@ -241,12 +253,12 @@ void advise_on_units(V& v, const std::vector<DeviceJoint>& joints,
       continue;
     for (const char* const key : {"inertia", "damping", "friction"})
       v.advise(!v.has(key), key,
-               "is one number for turns and for slide '" + joint.name +
-                   "', which has another unit: give the slide a [[device.plant.joint]] table");
+               "is one number for turns and for the slide '" + joint.name +
+                   "', which have different units: give the slide a [[device.plant.joint]] table");
   }
 }
 
-/// p: default_plant(), or that of an earlier visit.
+/// p: default_plant(), or the result of an earlier visit.
 template <class V>
 void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
   visit_joint_plant(v,
@@ -257,19 +269,18 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
   std::vector<std::string> names;
   for (const DeviceJoint& joint : joints) names.push_back(joint.name);
   std::vector<PlantConfig::OfJoint> own = p.joints;
-  v.tables(
-      TableKey{"joint",
-               "Mechanics of one joint of the device, turn or slide, and of the hand at it. A key without a "
-               "number has that of `[device.plant]`."},
-      own, [&](auto& t, PlantConfig::OfJoint& j) {
-        choose(t, Key{.name = "joint", .unit = "", .meaning = "name of the joint", .required = true}, names,
-               j.joint);
-        j.plant = p.of(j.joint);
-        constexpr std::string_view as_all = "that of `[device.plant]`";
-        visit_joint_plant(t, {as_all, as_all, as_all, as_all, as_all}, j.plant);
-        t.check(j.joint.empty() || std::ranges::count(own, j.joint, &PlantConfig::OfJoint::joint) == 1,
-                "joint", "has an earlier table");
-      });
+  v.tables(TableKey{"joint",
+                    "Mechanics of one joint of the device, turn or slide, and of the hand at it. A missing "
+                    "key has the value of `[device.plant]`."},
+           own, [&](auto& t, PlantConfig::OfJoint& j) {
+             choose(t, Key{.name = "joint", .unit = "", .meaning = "name of the joint", .required = true},
+                    names, j.joint);
+             j.plant = p.of(j.joint);
+             constexpr std::string_view as_all = "as `[device.plant]`";
+             visit_joint_plant(t, {as_all, as_all, as_all, as_all, as_all}, j.plant);
+             t.check(j.joint.empty() || std::ranges::count(own, j.joint, &PlantConfig::OfJoint::joint) == 1,
+                     "joint", "has an earlier table");
+           });
   advise_on_units(v, joints, own);
   for (const PlantConfig::OfJoint& j : p.joints)
     if (std::ranges::find(own, j.joint, &PlantConfig::OfJoint::joint) == own.end()) own.push_back(j);
@@ -278,29 +289,31 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
 
 template <class V>
 void visit_supervision(V& v, RigParams& rig) {
-  v.value(Key{"stale_after", "s",
-              "a sample older than this is not valid: the pose is held and the force fades; by default three "
-              "steps",
-              positive},
-          rig.stale_after_s);
+  v.value(
+      Key{"stale_after", "s",
+          "age beyond which a sample is invalid: the pose is held and the force fades; default three steps",
+          positive},
+      rig.stale_after_s);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
-  v.value(Key{"lost_after", "s", "without a valid sample for so long: a fault; not less than stale_after",
-              positive},
+  v.value(Key{"lost_after", "s",
+              "time without a valid sample after which there is a fault; at least stale_after", positive},
           rig.lost_after_s);
   v.check(rig.lost_after_s >= rig.stale_after_s, "lost_after", "must be at least stale_after");
-  v.value(Key{"boot_timeout", "s", "from start to every drive enabled", positive}, rig.boot_timeout_s);
-  v.value(Key{"heartbeat_timeout", "s", "of every node, once it has been heard", positive},
+  v.value(Key{"boot_timeout", "s", "time limit from the start until every drive is enabled", positive},
+          rig.boot_timeout_s);
+  v.value(Key{"heartbeat_timeout", "s",
+              "time without a heartbeat of a node, once one arrived, after which there is a fault", positive},
           rig.heartbeat_timeout_s);
-  v.value(Key{"heartbeat_period", "s", "of the host's own heartbeat", positive}, rig.heartbeat_period_s);
+  v.value(Key{"heartbeat_period", "s", "period of the host's own heartbeat", positive},
+          rig.heartbeat_period_s);
   v.value(Key{"host_node_id", "", "node-ID of the host on every bus", {1, 127}}, rig.host_node_id);
 }
 
 template <class V>
 void visit_joints(V& v, std::vector<DeviceJoint>& joints, RigNames& names) {
   v.tables(TableKey{"joint",
-                    "One joint of the device and the link it carries, parents first. Without any the device "
-                    "has the joints of the "
-                    "tool, one for each coordinate."},
+                    "One joint of the device and the link it carries, parents first. Without such tables the "
+                    "device has the joints of the tool, one for each coordinate."},
            joints, [&](auto& t, DeviceJoint& j) {
              visit_joint(t, names, j);
              t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name",
@@ -312,14 +325,14 @@ void visit_joints(V& v, std::vector<DeviceJoint>& joints, RigNames& names) {
 
 template <class V>
 void visit_handle(V& v, const RigNames& names, HandleParams& h) {
-  choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body it is the target of", .required = true},
+  choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body whose target it is", .required = true},
          names.bodies, h.body);
   choose(v, Key{.name = "joint", .unit = "", .meaning = "joint on whose link it sits", .required = true},
          names.joints, h.joint);
-  visit_pose(v, "position", "orientation_wxyz", "the handle in that link's frame", h.X_LH);
+  visit_pose(v, "position", "orientation_wxyz", "the handle in the frame of that link", h.X_LH);
 }
 
-/// The one handle that [device.chain] can give without a table of its own.
+/// The single handle defined by [device.chain] without a table of its own.
 struct ShortHandle {
   Pose X_LH;
   bool given = false;
@@ -330,7 +343,9 @@ void visit_chain(V& v, Pose& X_WB, ShortHandle& handle) {
   visit_pose(v, "base_position", "base_orientation_wxyz", "the device's base in the world", X_WB);
   v.shorthand(Key{"handle_position", "m", "position of the only handle in the last joint's link frame"},
               handle.X_LH.p);
-  v.shorthand(Key{"handle_orientation_wxyz", "", "attitude of the same"}, handle.X_LH.q);
+  v.shorthand(
+      Key{"handle_orientation_wxyz", "", "attitude of the only handle in the last joint's link frame"},
+      handle.X_LH.q);
   handle.given = v.has("handle_position") || v.has("handle_orientation_wxyz");
 }
 
@@ -338,21 +353,19 @@ template <class V>
 void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
                    const std::vector<HandleParams>& of_scene, std::vector<HandleParams>& handles) {
   std::set<std::string> held;
-  v.tables(
-      TableKey{
-          "handle",
-          "Where the user holds a body of the tool. Without any there is one: of the first coupled "
-          "body, on the link of the last joint, posed by `handle_position` in `[device.chain]`; with the "
-          "joints of the tool one for each coupled body, where that is."},
-      handles, [&](auto& t, HandleParams& h) {
-        visit_handle(t, names, h);
-        t.check(held.insert(h.body).second, "body", "has an earlier handle");
-      });
+  v.tables(TableKey{"handle",
+                    "Where the user holds a body of the tool. Without such tables there is one handle: for "
+                    "the first coupled body, on the link of the last joint, posed by `handle_position` in "
+                    "`[device.chain]`. With the joints of the tool there is one at each coupled body."},
+           handles, [&](auto& t, HandleParams& h) {
+             visit_handle(t, names, h);
+             t.check(held.insert(h.body).second, "body", "has an earlier handle");
+           });
   v.check(handles.empty() || !handle.given, "handle",
           "and handle_position in [device.chain] both place handles: remove one of them");
   v.check(of_scene.empty() || !handle.given, "",
-          "handle_position in [device.chain] has no meaning where the device has the joints of the tool: "
-          "remove it, or write [[device.handle]] tables");
+          "handle_position in [device.chain] has no meaning for a device with the joints of the tool: remove "
+          "it, or add [[device.handle]] tables");
   if (handles.empty()) handles = of_scene;
   v.check(handles.size() <= max_handles, "handle",
           "must be at most " + std::to_string(max_handles) + " tables [[device.handle]], not " +
@@ -361,13 +374,14 @@ void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
     handles.push_back({.body = names.bodies.front(), .joint = names.joints.back(), .X_LH = handle.X_LH});
 }
 
-/// A node whose place could not be read takes no other node's.
+/// A node whose bus or id could not be read blocks no other node.
 template <class V>
 bool understands_node(const V& v) {
   return v.understood("bus") && v.understood("node_id");
 }
 
-/// Buttons may be bits of one node. nodes: those of other devices, by bus and id.
+/// Visits the buttons, several of which may be bits of one node.
+/// nodes: bus and id of other devices.
 template <class V>
 void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::size_t, int>>& nodes,
                    RigParams& rig) {
@@ -377,8 +391,9 @@ void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::si
              visit_button(t, names, b);
              if (!understands_node(t)) return;
              t.check(b.node_id != rig.host_node_id && !nodes.contains({b.bus, b.node_id}), "node_id",
-                     "is taken by the host or by another device of this bus");
-             t.check(bits.insert({b.bus, b.node_id, b.bit}).second, "bit", "is that of an earlier button");
+                     "is taken by the host or by another device of this bus: choose another");
+             t.check(bits.insert({b.bus, b.node_id, b.bit}).second, "bit",
+                     "is the input of an earlier button: choose another");
            });
 }
 
@@ -388,14 +403,15 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
   const auto check_node = [&](auto& t, std::size_t bus, int node_id) {
     if (!understands_node(t)) return;
     t.check(node_id != rig.host_node_id, "node_id",
-            "is the host's own: see host_node_id in [device.supervision]");
-    t.check(nodes.emplace(bus, node_id).second, "node_id", "is taken by another node of this bus");
+            "is the host's own node-ID: choose another, or change host_node_id in [device.supervision]");
+    t.check(nodes.emplace(bus, node_id).second, "node_id",
+            "is taken by another node of this bus: choose another");
   };
   v.tables(TableKey{"encoder", "A CiA 406 absolute encoder."}, rig.encoders, [&](auto& t, EncoderParams& e) {
     visit_encoder(t, names, e);
     check_node(t, e.bus, e.node_id);
   });
-  v.tables(TableKey{"drive", "A motor drive commanded in torque; of CiA 402 in the mode CST."}, rig.drives,
+  v.tables(TableKey{"drive", "A motor drive commanded in torque; with CiA 402 in the mode CST."}, rig.drives,
            [&](auto& t, DriveParams& d) {
              visit_drive(t, names, d);
              check_node(t, d.bus, d.node_id);
@@ -403,7 +419,7 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
   visit_buttons(v, names, nodes, rig);
 }
 
-/// A bus has the nodes of one protocol, and the data rate that it asks for.
+/// Checks that a bus has nodes of one protocol and the data rate that it requires.
 template <class V>
 void check_protocols(V& v, const RigParams& rig) {
   for (std::size_t bus = 0; bus < rig.buses.size(); ++bus) {
@@ -420,7 +436,7 @@ void check_protocols(V& v, const RigParams& rig) {
   }
 }
 
-/// True if a rig measures the joints, or is half described; otherwise they are a motion's alone.
+/// True if a rig measures the joints, at least in part; without a rig only a motion moves them.
 inline bool has_parts_on_buses(const RigParams& rig) {
   return !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
 }
@@ -432,7 +448,7 @@ void check_number_of_joints(V& v, std::size_t num_joints) {
               std::to_string(num_joints));
 }
 
-/// Rules between the parts of a rig.
+/// Checks rules between the parts of a rig.
 template <class V>
 void check_rig(V& v, const RigParams& rig) {
   v.check(!rig.buses.empty(), "", "encoders, drives, buttons and their supervision need a [[bus]]");
@@ -441,11 +457,11 @@ void check_rig(V& v, const RigParams& rig) {
   for (const DeviceJoint& joint : rig.tree.joints) {
     const auto on_joint = [&](const auto& node) { return node.joint == joint.name; };
     v.check(std::ranges::any_of(rig.encoders, on_joint) || std::ranges::any_of(rig.drives, on_joint), "",
-            "nothing measures joint '" + joint.name + "': add a [[device.encoder]] for it");
+            "joint '" + joint.name + "' is not measured: add a [[device.encoder]] for it");
   }
 }
 
-/// A device without joints of its own has those of the tool. Returns the handles they give.
+/// Gives a device without joints of its own those of the tool. Returns the handles.
 template <class V>
 std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, RigNames& names,
                                               std::vector<DeviceJoint>& joints) {
@@ -459,19 +475,20 @@ std::vector<HandleParams> take_joints_of_tool(V& v, const SceneConfig& scene, Ri
   return std::move(device.tree.handles);
 }
 
-/// Parts of a device between hand and core that a file describes.
+/// Parts between hand and core that a file describes.
 enum class PartsOfDevice : std::uint8_t { none, joints, rig };
 
-/// The tree, its encoders and its drives. given: parts that `rig` has from an earlier visit.
+/// Visits the tree, its encoders and its drives.
+/// given: parts that `rig` has from an earlier visit.
 template <class V>
 PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std::vector<std::string> bodies,
                         RigParams& rig) {
   bool has_supervision = given == PartsOfDevice::rig, has_chain = given != PartsOfDevice::none;
-  v.table(TableKey{"supervision", "When the host gives up on a node."}, has_supervision,
+  v.table(TableKey{"supervision", "Time limits of samples, heartbeats and booting."}, has_supervision,
           [&](auto& t) { visit_supervision(t, rig); });
   ShortHandle handle;
-  v.table(TableKey{"chain", "Where the device stands, and in the simplest case where the hand holds it."},
-          has_chain, [&](auto& t) { visit_chain(t, rig.tree.X_WB, handle); });
+  v.table(TableKey{"chain", "Pose of the device's base, and of its only handle."}, has_chain,
+          [&](auto& t) { visit_chain(t, rig.tree.X_WB, handle); });
   RigNames names{.bodies = std::move(bodies), .buses = {}, .joints = {}, .kinds = {}};
   for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
   visit_joints(v, rig.tree.joints, names);
@@ -490,8 +507,8 @@ PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std
   return PartsOfDevice::joints;
 }
 
-/// The joints of the tool as those of a device that describes none; none where they do not move every handle, or
-/// where the device holds bodies or is pushed.
+/// Returns the joints of the tool for a device without joints. Returns none if they do not move every handle,
+/// or if the device grips bodies or is pushed.
 inline std::optional<KinematicTreeParams> implied_tree(SceneConfig scene, const DeviceConfig& device) {
   const bool holds = !device.holds.empty() || device.grab_radius;
   if (holds || device.kind == DeviceKind::admittance || scene.joints.empty()) return std::nullopt;
@@ -503,8 +520,8 @@ inline std::optional<KinematicTreeParams> implied_tree(SceneConfig scene, const 
   return of_tool.errors.empty() && fits ? std::optional(std::move(of_tool.tree)) : std::nullopt;
 }
 
-/// Bodies that can have a handle: the coupled ones; without any, the first where an admittance device
-/// pushes it.
+/// Returns the bodies that can have a handle: the coupled ones; without any, the first if an admittance
+/// device pushes it.
 inline std::vector<std::string> holdable_bodies(SceneConfig scene, const DeviceConfig& device) {
   scene.device = device;
   std::vector<std::string> names;
@@ -515,9 +532,10 @@ inline std::vector<std::string> holdable_bodies(SceneConfig scene, const DeviceC
 template <class V>
 void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& buses, DeviceConfig& d) {
   visit_name(v, "name of the device", d.name);
-  choose(v, Key{"kind", "", "what it gives and takes"}, device_kind_names, d.kind);
+  choose(v, Key{"kind", "", "kind of its inputs and outputs: poses, increments or wrenches"},
+         device_kind_names, d.kind);
   visit_grabbing(v, scene, d);
-  plain_table(v, TableKey{"limits", "Bounds of the wrench shown to the hand, and the ramp on engage."},
+  plain_table(v, TableKey{"limits", "Bounds of the displayed wrench, and the ramp on engaging."},
               [&](auto& t) { visit_limits(t, d.limits); });
   RigParams rig = d.rig.value_or(RigParams{.buses = buses,
                                            .tree = d.unmeasured_tree.value_or(KinematicTreeParams{}),
@@ -536,8 +554,8 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   if (parts == PartsOfDevice::joints) d.unmeasured_tree = rig.tree;
   if (parts == PartsOfDevice::none && !has_other_hand) d.unmeasured_tree = implied_tree(scene, d);
   v.check(parts != PartsOfDevice::joints || !has_other_hand, "joint",
-          "are measured by nothing, and trackers or a SpaceMouse move the tool: give them a "
-          "[[device.encoder]] each and a [[bus]], or remove them");
+          "are not measured, and trackers or a SpaceMouse move the tool: add a [[device.encoder]] for each "
+          "and a [[bus]], or remove the joints");
   const std::vector<DeviceJoint> joints = d.rig               ? d.rig->tree.joints
                                           : d.unmeasured_tree ? d.unmeasured_tree->joints
                                                               : std::vector<DeviceJoint>{};
@@ -547,9 +565,8 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
   optional_table(v,
                  TableKey{"spacemouse",
-                          "A SpaceMouse, or another 6-DoF mouse that spacenavd knows: how far its cap is "
-                          "pushed is how fast the target moves "
-                          "(docs/trackers.md)."},
+                          "A SpaceMouse, or another 6-DoF mouse that spacenavd supports: the deflection of "
+                          "its cap sets the velocity of the target (docs/trackers.md)."},
                  d.spacemouse,
                  [&](auto& t, SpaceMouseConfig& s) { visit_spacemouse(t, holdable_bodies(scene, d), s); });
   if (d.spacemouse) check_spacemouse(v, d);

@@ -1,4 +1,4 @@
-// Keys of [[fault]] tables, in scenes and in files of their own. See platform/scene/text/visit.h for what walks them.
+// Keys of [[fault]] tables, in scenes and in files of their own. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <string>
@@ -12,23 +12,28 @@ namespace godobject {
 template <class V>
 void visit_fault(V& v, const DeviceConfig* device, const FaultChecks& checks, FaultConfig& f) {
   if (f.verb.empty()) f.verb = "drop";
-  const Key verb{.name = "verb", .unit = "", .meaning = "what happens, see docs/faults.md", .required = true};
+  const Key verb{
+      .name = "verb", .unit = "", .meaning = "kind of the fault, see docs/faults.md", .required = true};
   if (checks.verbs == nullptr) v.value(verb, f.verb);
   else choose(v, verb, checks.verbs(), f.verb);
-  v.value(Key{"bus", "", "name of a bus; empty: that of the node, without a node all of them"}, f.bus);
+  v.value(Key{"bus", "", "name of the bus; empty: the bus of the node, without a node all buses"}, f.bus);
   std::uint8_t node_id = f.node_id.value_or(0);
-  v.value(Key{"node_id", "", "of a node; 0: the host's end of the bus", {0, 127}}, node_id);
+  v.value(Key{"node_id", "", "node-ID; 0: the host's end of the bus", {0, 127}}, node_id);
   f.node_id = node_id == 0 ? std::nullopt : std::optional(node_id);
-  v.value(Key{"tracker", "", "name of a tracker, instead of bus and node"}, f.tracker);
-  v.value(Key{"at", "s", "of the motion; what is at 0 is there while the device boots", {0, 1e6}}, f.at);
+  v.value(Key{"tracker", "", "name of the tracker, instead of bus and node"}, f.tracker);
+  v.value(Key{"at",
+              "s",
+              "time of the motion at which it begins; a fault at 0 is active while the device boots",
+              {0, 1e6}},
+          f.at);
   v.value(Key{"duration",
               "s",
-              "without: to the end, or once where the verb is an event",
+              "duration; default: to the end, or once for an event",
               {.min = 0, .max = 1e6, .min_open = true}},
           f.duration);
-  v.value(Key{"value", "see docs/faults.md", "0: the verb's own default"}, f.value);
+  v.value(Key{"value", "value of the fault, see docs/faults.md", "0: the verb's own default"}, f.value);
   const bool has_place = device && (device->rig || !f.tracker.empty());
-  v.check(has_place, "verb", "needs a [device] with buses, or a tracker");
+  v.check(has_place, "verb", "requires a [device] with buses, or a tracker: add one, or remove the fault");
   if (!has_place || checks.why_not_playable == nullptr) return;
   const std::string error = checks.why_not_playable(f, *device);
   v.check(error.empty(), "verb", "'" + f.verb + "' cannot be played: " + error);

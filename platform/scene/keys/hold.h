@@ -1,4 +1,4 @@
-// Keys by which a device takes hold of bodies and lets go of them. See platform/scene/text/visit.h for what walks them.
+// Keys by which a device grips and releases bodies. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 
 namespace godobject {
 
-/// Why a body of this name cannot be held; empty when it can.
+/// Returns why a body of this name cannot be held; empty if it can.
 inline std::string why_not_held(const SceneConfig& scene, const std::string& name) {
   const auto of_name = [&](const BodyConfig& b) { return b.name == name; };
   const auto body = std::ranges::find_if(scene.bodies, of_name);
-  if (body == scene.bodies.end()) return "is \"" + name + "\", which is no body of the scene";
-  if (!body->coupling) return "is \"" + name + "\", which has no [body.coupling] to be held by: add it";
+  if (body == scene.bodies.end()) return "is \"" + name + "\", which is not a body of the scene";
+  if (!body->coupling) return "is \"" + name + "\", which has no [body.coupling]: add it";
   return "";
 }
 
@@ -26,14 +26,13 @@ void check_held(V& v, const SceneConfig& scene, std::string_view key, const std:
 template <class V>
 void visit_grabbing(V& v, const SceneConfig& scene, DeviceConfig& d) {
   v.value(Key{"holds", "",
-              "body that it holds at the start; this key, `grab_radius` or `[[motion.hold]]` make it a "
-              "device that "
-              "takes hold of coupled bodies and lets go of them, one at a time"},
+              "body held at the start. With this key, `grab_radius` or `[[motion.hold]]` the device grips "
+              "and releases coupled bodies, one at a time"},
           d.holds);
   check_held(v, scene, "holds", d.holds);
   v.value(
       Key{"grab_radius", "m",
-          "from the device to the centre of mass of a coupled body: how far \"nearest\" and the button reach",
+          "reach of \"nearest\" and of the button, from the device to the centre of mass of a coupled body",
           positive},
       d.grab_radius);
 }
@@ -42,39 +41,41 @@ template <class V>
 void visit_holds(V& v, const SceneConfig& scene, std::vector<HoldConfig>& holds) {
   const bool has_radius = scene.device && scene.device->grab_radius;
   double before = -1;
-  v.tables(TableKey{"hold", "From its time on the device holds that body, at the place where it then is.",
-                    false, 10'000},
-           holds, [&](auto& t, HoldConfig& hold) {
-             t.value(Key{"time", "s", "later than that of the table before", not_negative, true}, hold.time);
-             t.check(hold.time > before, "time", "must be later than that of the table before");
-             before = hold.time;
-             t.value(Key{"body", "",
-                         "name of a coupled body, or \"nearest\" within `grab_radius`; empty: lets go"},
-                     hold.body);
-             if (hold.body != nearest_body) return check_held(t, scene, "body", hold.body);
-             t.check(has_radius, "body", "is \"nearest\": how far is that? Give [device] 'grab_radius'");
-           });
+  v.tables(
+      TableKey{"hold", "From this time on the device holds this body, at the pose of the body at that time.",
+               false, 10'000},
+      holds, [&](auto& t, HoldConfig& hold) {
+        t.value(Key{"time", "s", "start time, later than that of the previous table", not_negative, true},
+                hold.time);
+        t.check(hold.time > before, "time", "must be later than that of the previous table");
+        before = hold.time;
+        t.value(
+            Key{"body", "",
+                "name of a coupled body, or \"nearest\" within `grab_radius`; empty: releases the held body"},
+            hold.body);
+        if (hold.body != nearest_body) return check_held(t, scene, "body", hold.body);
+        t.check(has_radius, "body", "is \"nearest\", which requires [device] 'grab_radius': add it");
+      });
 }
 
-/// Rules between the tables of a scene whose device takes hold of bodies.
+/// Checks rules between the tables of a scene whose device grips bodies.
 template <class V>
 void check_holding(V& v, const SceneConfig& s) {
   v.check(s.device || !s.motion || s.motion->holds.empty(), "motion",
-          "has holds, but there is no [device] to hold");
-  if (!takes_hold(s)) return;
+          "has holds, which require a [device]: add one, or remove the holds");
+  if (!grips_bodies(s)) return;
   v.check(s.device->kind != DeviceKind::admittance, "device",
-          "of kind \"admittance\" gives no pose to hold a body at: remove 'holds', 'grab_radius' and "
-          "[[motion.hold]]");
+          "of kind \"admittance\" has no pose at which it could hold a body: remove 'holds', 'grab_radius' "
+          "and [[motion.hold]]");
   const KinematicTreeParams* const tree = device_tree(s);
   const std::size_t num_handles = tree != nullptr ? tree->handles.size() : 0;
   v.check(num_handles <= 1, "device",
-          "takes hold of bodies one at a time: it needs one handle, not " + std::to_string(num_handles));
+          "grips bodies one at a time and requires one handle, not " + std::to_string(num_handles));
   v.check(!s.device->spacemouse || s.device->grab_radius || !s.device->holds.empty(), "device",
-          "has a SpaceMouse, which takes hold of bodies by its button: how far does that reach? Give "
-          "'grab_radius'");
+          "has a SpaceMouse, whose button grips bodies and requires 'grab_radius': add it");
   for (const BodyConfig& body : s.bodies)
     v.check(body.name != nearest_body && body.name != "-", "body",
-            "'" + body.name + "' is what a hold calls the nearest body or none: choose another name");
+            "'" + body.name + "' is reserved in holds for the nearest body or none: choose another name");
 }
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// Every key of a [[joint]], once. See platform/scene/text/visit.h for what walks it.
+// All keys of a [[joint]]. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ inline std::string quoted(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Three digits: for messages.
+/// Formats three digits for messages.
 inline std::string rounded(double x) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", x);
@@ -39,17 +39,21 @@ void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
                        .otherwise = "the joint's only one"};
   if (none) v.value(coordinate, s.coordinate);
   else choose(v, coordinate, j.coordinates, s.coordinate);
-  v.check(!none, "",
-          "joint '" + j.name +
-              "' has no coordinate that a stop could bound: remove the [[joint.stop]] table, "
-              "or take another kind of joint");
-  v.value(Key{"lower", "rad or m", "end of travel; turns are counted, and may go on beyond +-pi"}, s.lower);
-  v.value(Key{"upper", "rad or m", "the other end, above `lower`"}, s.upper);
+  v.check(
+      !none, "",
+      "joint '" + j.name +
+          "' has no coordinate for a stop: remove the [[joint.stop]] table, or use another kind of joint");
+  v.value(Key{"lower", "rad or m", "lower end of travel; turns are counted, beyond +-pi too"}, s.lower);
+  v.value(Key{"upper", "rad or m", "upper end of travel, above `lower`"}, s.upper);
   v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
   v.check(!(s.lower && s.upper) || *s.lower < *s.upper, "upper", "must be above lower");
-  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.stiffness);
-  v.value(Key{"damping", "N m s/rad or N s/m", "likewise, on the way in only", not_negative}, s.damping);
-  v.value(Key{"width", "rad or m", "over which both rise from zero: the way in is smooth", positive, true},
+  v.value(Key{"stiffness", "N m/rad or N/m", "stiffness of the stop beyond `width`", positive, true},
+          s.stiffness);
+  v.value(Key{"damping", "N m s/rad or N s/m", "damping of the stop beyond `width`, acting inwards only",
+              not_negative},
+          s.damping);
+  v.value(Key{"width", "rad or m", "travel over which stiffness and damping rise smoothly from zero",
+              positive, true},
           s.width);
 }
 
@@ -58,32 +62,30 @@ void visit_joint_ends(V& v, const std::vector<std::string>& bodies, JointConfig&
   const auto is_body = [&](const std::string& name) {
     return std::ranges::find(bodies, name) != bodies.end();
   };
-  v.value(Key{"parent", "", "name of the body it hangs on, or \"world\""}, j.parent);
+  v.value(Key{"parent", "", "name of the parent body, or \"world\""}, j.parent);
   v.check(j.parent == world_name || is_body(j.parent), "parent",
-          "is \"" + j.parent + "\", which is no body: admissible is \"world\", " + quoted(bodies));
-  v.value(Key{.name = "child", .unit = "", .meaning = "name of the body that hangs on it", .required = true},
-          j.child);
-  v.check(j.child != world_name, "child", "is the world, which hangs on nothing: swap parent and child");
+          "is \"" + j.parent + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
+  v.value(Key{.name = "child", .unit = "", .meaning = "name of the child body", .required = true}, j.child);
+  v.check(j.child != world_name, "child", "is the world, which cannot be a child: swap parent and child");
   v.check(j.child.empty() || j.child == world_name || is_body(j.child), "child",
-          "is \"" + j.child + "\", which is no body: admissible is " + quoted(bodies));
+          "is \"" + j.child + "\", which is not a body: admissible is " + quoted(bodies));
 }
 
 template <class V>
 void visit_joint_frames(V& v, JointConfig& j) {
   Vec3 axis = Vec3::UnitZ();
-  v.shorthand(
-      Key{.name = "axis",
-          .unit = "",
-          .meaning = "unit vector that is the same in both bodies at coordinate zero: turns both frames "
-                     "so that their z is along it. Hinge, slider and cylindrical",
-          .otherwise = "none"},
-      axis);
+  v.shorthand(Key{.name = "axis",
+                  .unit = "",
+                  .meaning = "axis of a hinge, slider or cylindrical joint: unit vector, equal in both "
+                             "bodies at coordinate zero, along which z of both frames is turned",
+                  .otherwise = "none"},
+              axis);
   if (v.has("axis")) {
     v.check(is_along_z(j.kind), "axis",
-            "has no meaning here: give parent_orientation_wxyz and child_orientation_wxyz");
+            "has no meaning for this kind of joint: give parent_orientation_wxyz and child_orientation_wxyz");
     v.check(std::abs(axis.norm() - 1) <= 1e-6, "axis", "must have length 1");
     v.check(!v.has("parent_orientation_wxyz") && !v.has("child_orientation_wxyz"), "axis",
-            "and the orientations of the frames say the same thing: remove one of them");
+            "and the orientations of the frames both give the axis: remove one of them");
     j.X_BP.q = j.X_BC.q = turn_from_z(axis);
   }
   visit_pose(
@@ -110,7 +112,7 @@ void visit_coordinates(V& v, JointConfig& j) {
   v.check(std::ranges::all_of(j.coordinates, is_plain_name), "coordinates",
           "must each be one or more letters, digits, '_' or '-'");
   v.value(
-      Key{"imposed", "", "its coordinates follow the device's joints of the same names, whatever the forces"},
+      Key{"imposed", "", "true if its coordinates are prescribed by the device's joints of the same names"},
       j.imposed);
   v.check(!j.imposed || n > 0, "imposed", "has no meaning for a joint without named coordinates");
 }
@@ -119,7 +121,7 @@ template <class V>
 void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
   visit_name(v, "name of the joint: columns of traces start with it", j.name);
   std::size_t kind = static_cast<std::size_t>(j.kind) - 1;
-  static const std::string meaning = "what the child may do against the parent: " + joint_kind_meanings();
+  static const std::string meaning = "motion of the child relative to the parent: " + joint_kind_meanings();
   v.one_of(Key{"kind", "", meaning}, joint_kind_names(), kind);
   j.kind = static_cast<JointKind>(kind + 1);
   visit_joint_ends(v, bodies, j);
@@ -129,11 +131,11 @@ void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig&
   v.tables(TableKey{"stop", "Springs at the ends of one coordinate."}, j.stops, [&](auto& t, StopConfig& s) {
     visit_stop(t, j, s);
     t.check(stopped.insert(s.coordinate).second, "coordinate", "has an earlier stop");
-    t.check(!j.imposed, "", "the joint is imposed: a stop does nothing; remove one of them");
+    t.check(!j.imposed, "", "the joint is imposed, and a stop has no effect on it: remove one of them");
   });
 }
 
-/// Rules between joints, and between a joint and the bodies as they are placed.
+/// Checks rules between joints, and between a joint and the poses of its bodies.
 template <class V>
 void visit_tool_joints(V& v, SceneConfig& s) {
   std::vector<std::string> bodies;
@@ -143,27 +145,26 @@ void visit_tool_joints(V& v, SceneConfig& s) {
   };
   std::set<std::string> names, coordinates;
   JointTree tree;
-  v.tables(
-      TableKey{
-          "joint",
-          "A joint between two bodies, or a body and the world. Each has a frame on both; they coincide at "
-          "coordinate zero.",
-          false, max_tables_of_bodies},
-      s.joints, [&](auto& t, JointConfig& j) {
-        visit_tool_joint(t, bodies, j);
-        t.check(names.insert(j.name).second, "name", "is the name of an earlier joint");
-        for (const std::string& q : j.coordinates)
-          t.check(coordinates.insert(q).second, "coordinates", "has '" + q + "', which is taken");
-        if (!is_body(j.child) || !(j.parent == world_name || is_body(j.parent))) return;
-        const std::string why_not = tree.add(j);
-        t.check(why_not.empty(), "", why_not);
-        const JointGap gap = gap_at_start(s.bodies, j);
-        t.advise(!is_apart(gap), "",
-                 "joint '" + j.name + "' is apart by " + rounded(gap.m) + " m and " + rounded(gap.rad) +
-                     " rad where the bodies are placed: the run begins with body '" + j.child +
-                     "' moved onto it, and all that is joined to that; place '" + j.child +
-                     "' there, or correct the frames of the joint");
-      });
+  v.tables(TableKey{"joint",
+                    "A joint between two bodies, or a body and the world. It has a frame on each; they "
+                    "coincide at coordinate zero.",
+                    false, max_tables_of_bodies},
+           s.joints, [&](auto& t, JointConfig& j) {
+             visit_tool_joint(t, bodies, j);
+             t.check(names.insert(j.name).second, "name", "is the name of an earlier joint");
+             for (const std::string& q : j.coordinates)
+               t.check(coordinates.insert(q).second, "coordinates",
+                       "has '" + q + "', which is the name of another coordinate: choose another");
+             if (!is_body(j.child) || !(j.parent == world_name || is_body(j.parent))) return;
+             const std::string why_not = tree.add(j);
+             t.check(why_not.empty(), "", why_not);
+             const JointGap gap = gap_at_start(s.bodies, j);
+             t.advise(!is_apart(gap), "",
+                      "joint '" + j.name + "' is apart by " + rounded(gap.m) + " m and " + rounded(gap.rad) +
+                          " rad with the bodies at their places: the run starts with body '" + j.child +
+                          "' and the bodies joined to it moved to close the joint; place '" + j.child +
+                          "' there, or correct the frames of the joint");
+           });
   s.bodies = parents_first(s.bodies, s.joints);
   close_gaps(s.bodies, s.joints);
 }

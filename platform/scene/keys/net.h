@@ -1,4 +1,4 @@
-// Every key of a [[net]], once. See platform/scene/text/visit.h for what walks it.
+// All keys of a [[net]]. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <set>
@@ -13,21 +13,20 @@
 
 namespace godobject {
 
-/// What holds a node in a step (inertia, anchor and its damper) against what couples it to its neighbours: below that a
-/// stage takes more than a dozen iterations of conjugate gradients to 1 %, at 0.1 and above 4 to 8.
+/// Advised lower bound of a node's inertia, anchor and damping in a step, relative to its springs. Below it a
+/// stage takes more than 12 iterations of conjugate gradients to 1 %; at 0.1 and above it takes 4 to 8.
 inline constexpr double advised_hold = 0.02;
 
 template <class V>
 void visit_net_carrier(V& v, const std::vector<std::string>& bodies, NetConfig& n) {
-  v.value(Key{"body", "", "its carrier, on which its vertices are anchored: name of a body, or \"world\""},
-          n.body);
+  v.value(Key{"body", "", "carrier, to which its nodes are anchored: name of a body, or \"world\""}, n.body);
   v.check(n.body == world_name || std::ranges::find(bodies, n.body) != bodies.end(), "body",
-          "is \"" + n.body + "\", which is no body: admissible is \"world\", " + quoted(bodies));
+          "is \"" + n.body + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
   visit_pose(v, "position", "orientation_wxyz",
              "the net's frame in the axes of its body about the centre of mass, or in the world", n.X_BF);
 }
 
-/// Whether a surface that is generated has the numbers that it is generated from.
+/// True if the dimensions of a generated surface are given.
 inline bool has_dimensions(const NetConfig& n) {
   const bool sheet = n.kind == NetKind::sheet, sphere = n.kind == NetKind::sphere;
   return n.spacing && (sheet ? n.length && n.width : n.radius && (sphere || n.half_length));
@@ -39,41 +38,41 @@ void visit_net_dimensions(V& v, NetConfig& n) {
   const bool with_length = n.kind == NetKind::tube || n.kind == NetKind::capsule;
   visit_dimension(
       v, !mesh,
-      Key{"spacing", "m", "of neighbouring nodes, all but meshes: edges are 0.8 to 1.4 of it", positive},
+      Key{"spacing", "m", "distance of neighbouring nodes, except for meshes; edges are 0.8 to 1.4 of it",
+          positive},
       n.spacing);
   visit_dimension(v, with_length || n.kind == NetKind::sphere,
-                  Key{"radius", "m", "of a tube, capsule or sphere, to its nodes", positive}, n.radius);
+                  Key{"radius", "m", "tube, capsule or sphere: radius, up to its nodes", positive}, n.radius);
   visit_dimension(
       v, with_length,
       Key{"half_length", "m",
-          "of a tube: half its length along z; of a capsule: half the distance of its two centres", positive},
+          "tube: half its length along z; capsule: half the distance between its two centres", positive},
       n.half_length);
-  visit_dimension(v, sheet, Key{"length", "m", "of a sheet, along x", positive}, n.length);
-  visit_dimension(v, sheet, Key{"width", "m", "of a sheet, along y", positive}, n.width);
-  constexpr double coarsest = 1.5;  // of the radius: four nodes round it
+  visit_dimension(v, sheet, Key{"length", "m", "sheet: length along x", positive}, n.length);
+  visit_dimension(v, sheet, Key{"width", "m", "sheet: width along y", positive}, n.width);
+  constexpr double coarsest = 1.5;  // relative to the radius: four nodes around it
   const double most =
       std::min({coarsest * n.radius.value_or(1e300), n.length.value_or(1e300), n.width.value_or(1e300)});
   v.check(mesh || n.spacing.value_or(0) <= most, "spacing",
-          "must not be above 1.5 times the radius of the net, or the length or width of a sheet");
+          "must be at most 1.5 times the radius of the net, or the length or width of a sheet");
 }
 
-/// Its surface; room: nodes that there may be.
+/// Visits the surface.
+/// room: largest number of nodes.
 template <class V>
 void visit_net_surface(V& v, std::size_t room, NetConfig& n) {
   choose(v,
          Key{"kind", "",
-             "tube: about z, open; capsule: along z; sphere; sheet: in the plane z = 0 about its middle; "
-             "mesh: triangles "
-             "of a file, whose corners are the nodes"},
+             "kind of surface. tube: about z, open; capsule: along z; sphere; sheet: in the plane z = 0 "
+             "about its middle; mesh: triangles of a file, whose corners are the nodes"},
          net_kind_names, n.kind);
   visit_net_dimensions(v, n);
   const bool mesh = n.kind == NetKind::mesh;
   const std::string path = v.path(
-      Key{"file", "", "of a mesh, open or closed: STL, OBJ or PLY in the scene file's folder, or below"},
-      n.file);
+      Key{"file", "", "mesh: open or closed, STL, OBJ or PLY in the scene file's folder, or below"}, n.file);
   v.check(!mesh || !n.file.empty(), "file", "is missing: a mesh is read from one");
   v.check(mesh || n.file.empty(), "file", "has no meaning for this kind of net: remove it");
-  v.value(Key{"scale", "m", "of a mesh: length of one unit of its file; 1 without", positive}, n.scale);
+  v.value(Key{"scale", "m", "mesh: length of one unit of its file; default 1", positive}, n.scale);
   v.check(mesh || !n.scale, "scale", "has no meaning for this kind of net: remove it");
   if (!n.surface.vertices.empty() || (mesh ? path.empty() : !has_dimensions(n))) return;
   const std::string why_not = make_surface(path, room, n);
@@ -89,17 +88,17 @@ void visit_net_springs(V& v, NetConfig& n) {
           n.membrane_stiffness);
   v.value(Key{"bending",
               "",
-              "stiffness of the springs across each inner edge, against those along it; they keep the "
-              "surface from folding "
-              "up. 0: none, and half as many springs",
+              "stiffness of the springs across each inner edge, relative to those along it; they resist "
+              "folding. 0: none, and half as many springs",
               {0, 10}},
           n.bending);
   const double k = lattice_stiffness(n.membrane_stiffness);
   const double unit = k > 0 ? std::sqrt(mean_node_mass(n) / 2 / k) : 0;
-  v.either(Key{"relaxation_time", "s", "tau of the material: g = tau k of each spring", not_negative},
+  v.either(Key{"relaxation_time", "s",
+               "relaxation time tau of the material: damping g = tau k of each spring", not_negative},
            Key{"damping_ratio",
                "",
-               "g / sqrt(k m / 2) of a spring between two mean nodes; 1.4 by default, that of couplings",
+               "g / sqrt(k m / 2) of a spring between two mean nodes; 1.4 by default, as couplings",
                {0, 1e6}},
            unit, default_net_damping_ratio * unit, n.relaxation_time);
 }
@@ -109,18 +108,18 @@ void visit_net_anchors(V& v, NetConfig& n) {
   const double sigma = n.surface_density;
   v.value(
       Key{"settling_time", "s",
-          "T after which 2 % is left of a swing: damping of 8 sigma / T of each area, against the body or "
-          "the world; of a net that is neither anchored nor held, against its own motion as a whole",
+          "time T in which a vibration decays to 2 %: damping of 8 sigma / T per area relative to the body "
+          "or the world; for a net that is neither anchored nor held, relative to its own motion as a whole",
           positive, true},
       n.settling_time);
   if (!n.anchor_stiffness && n.settling_time > 0 && sigma > 0)
     n.anchor_stiffness = n.body == world_name ? 0 : anchor_stiffness_for(sigma, n.settling_time);
   v.value(Key{.name = "anchor_stiffness",
               .unit = "N/m^3",
-              .meaning =
-                  "kappa: pull of the anchors, for each area and distance; dents reach sqrt(E t / kappa) far",
+              .meaning = "stiffness kappa of the anchors, force per area and displacement; dents reach "
+                         "sqrt(E t / kappa) far",
               .range = not_negative,
-              .otherwise = "on a body 32.7 sigma / T^2, damped at 1.4 as couplings are; in the world 0"},
+              .otherwise = "on a body 32.7 sigma / T^2, damping ratio 1.4; in the world 0"},
           n.anchor_stiffness);
   const double kappa = n.anchor_stiffness.value_or(0),
                d = n.settling_time > 0 ? drag(sigma, n.settling_time) : 0;
@@ -130,7 +129,7 @@ void visit_net_anchors(V& v, NetConfig& n) {
                rounded(slow) + " s");
 }
 
-/// h: time step.
+/// h: time step, s.
 template <class V>
 void advise_on_iterations(V& v, double h, const NetConfig& n) {
   const double m = mean_node_mass(n), k = lattice_stiffness(n.membrane_stiffness);
@@ -139,10 +138,9 @@ void advise_on_iterations(V& v, double h, const NetConfig& n) {
   const double held =
       m / (h * h) + area * (drag(n.surface_density, n.settling_time) / h + n.anchor_stiffness.value_or(0));
   v.advise(held >= advised_hold * k, "membrane_stiffness",
-           "is much for so light a net: a node's inertia and anchor are " + rounded(held / k) +
-               " of a spring in a step, and below 0.02 a stage takes more than a dozen iterations; make it "
-               "heavier or softer, "
-               "its settling_time shorter, or the step");
+           "is too high for so light a net: a node's inertia and anchor are " + rounded(held / k) +
+               " of a spring in a step, and below 0.02 a stage takes more than 12 iterations; make the net "
+               "heavier or softer, or shorten its settling_time or the step");
 }
 
 template <class V>
@@ -151,71 +149,71 @@ void visit_net_touch(V& v, NetConfig& n) {
   if (!n.thickness && spacing > 0) n.thickness = spacing;
   v.value(Key{.name = "thickness",
               .unit = "m",
-              .meaning = "twice the radius of the spheres with which nodes touch; 0: the net touches nothing",
+              .meaning = "twice the radius of the contact spheres of the nodes; 0: the net has no contacts",
               .range = not_negative,
-              .otherwise = "the mean edge: neighbouring spheres meet"},
+              .otherwise = "the mean edge, at which neighbouring spheres touch"},
           n.thickness);
   visit_material(v, n.material);
   const double t = n.thickness.value_or(0);
   constexpr double rounding = 1e-9;
   v.advise(t == 0 || t >= (1 - rounding) * spacing, "thickness",
-           "is below the mean edge of " + rounded(spacing) + " m: what is thinner than " +
-               rounded(2 * spacing / std::sqrt(3.0) - t) + " m passes between the nodes");
+           "is below the mean edge of " + rounded(spacing) + " m: solids thinner than " +
+               rounded(2 * spacing / std::sqrt(3.0) - t) +
+               " m pass between the nodes; raise the thickness or lower the spacing");
 }
 
 template <class V>
 void visit_net_held(V& v, NetConfig& n) {
   const std::vector<bool> on_rim = rim_of(n.surface);
   const bool open = std::ranges::find(on_rim, true) != on_rim.end();
-  v.value(Key{"rim", "", "vertices on the edge of an open surface are held"}, n.rim);
+  v.value(Key{"rim", "", "true if the nodes on the edge of an open surface are held"}, n.rim);
   v.check(!n.rim || open || n.surface.vertices.empty(), "rim", "has no meaning here: the surface is closed");
   if (!n.held_stiffness && n.membrane_stiffness > 0)
     n.held_stiffness = held_stiffness_for(n.membrane_stiffness);
   v.value(Key{.name = "held_stiffness",
               .unit = "N/m",
-              .meaning = "of each held vertex, on the body or in the world",
+              .meaning = "stiffness of each held node to the body or the world",
               .range = positive,
               .otherwise = "8.66 E t: ten springs"},
           n.held_stiffness);
-  v.tables(TableKey{"held", "A ball: vertices in it are held where they are."}, n.held,
+  v.tables(TableKey{"held", "A ball: nodes inside it are held at their places."}, n.held,
            [&](auto& t, HeldConfig& h) {
-             t.value(Key{"position", "m", "its centre in the net's frame"}, h.p_F);
-             t.value(Key{"radius", "m", "its radius", positive, true}, h.radius);
+             t.value(Key{"position", "m", "centre of the ball in the net's frame"}, h.p_F);
+             t.value(Key{"radius", "m", "radius of the ball", positive, true}, h.radius);
              const bool holds = std::ranges::any_of(
                  n.surface.vertices, [&](const Vec3& p_F) { return (p_F - h.p_F).norm() <= h.radius; });
              t.check(holds || n.surface.vertices.empty(), "radius",
-                     "is too small: there is no vertex within");
+                     "is too small: no node is inside the ball");
            });
 }
 
-/// To which body; and that it is not the carrier, on which all vertices hang.
+/// Visits the name of the other body, which must not be the carrier, since all nodes are anchored to it.
 template <class V>
 void visit_attached_body(V& v, const std::vector<std::string>& bodies, const NetConfig& n,
                          AttachedConfig& a) {
   v.value(Key{.name = "body",
               .unit = "",
-              .meaning = "to which: name of a body, or \"world\"; not the net's own",
+              .meaning = "other end: name of a body, or \"world\", but not the net's own",
               .required = true},
           a.body);
   const bool is_there = a.body == world_name || std::ranges::find(bodies, a.body) != bodies.end();
   v.check(a.body.empty() || is_there, "body",
-          "is \"" + a.body + "\", which is no body: admissible is \"world\", " + quoted(bodies));
-  v.check(!is_there || a.body != n.body, "body",
-          "is what the net is on already: hold vertices there by [[net.held]]");
+          "is \"" + a.body + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
+  v.check(!is_there || a.body != n.body, "body", "is the net's own: hold nodes there by [[net.held]]");
 }
 
 template <class V>
 void visit_net_attached(V& v, const std::vector<std::string>& bodies, NetConfig& n) {
   v.tables(
       TableKey{"attached",
-               "A ball: vertices in it are attached to another body than the net's, each where it is at the "
-               "start, by a spring of zero length."},
+               "A ball: nodes inside it are attached to a body other than the net's, each at its place at "
+               "the start, by a spring of rest length zero."},
       n.attached, [&](auto& t, AttachedConfig& a) {
         visit_attached_body(t, bodies, n, a);
-        t.value(Key{"position", "m", "its centre in the net's frame"}, a.p_F);
-        t.value(Key{"radius", "m", "its radius", positive, true}, a.radius);
+        t.value(Key{"position", "m", "centre of the ball in the net's frame"}, a.p_F);
+        t.value(Key{"radius", "m", "radius of the ball", positive, true}, a.radius);
         t.check(n.surface.vertices.empty() || a.radius <= 0 || num_within(n, a) > 0, "radius",
-                "is too small: there is no vertex within");
+                "is too small: no node is inside the ball");
         if (!a.stiffness && n.membrane_stiffness > 0) a.stiffness = held_stiffness_for(n.membrane_stiffness);
         t.value(Key{.name = "stiffness",
                     .unit = "N/m",
@@ -226,16 +224,15 @@ void visit_net_attached(V& v, const std::vector<std::string>& bodies, NetConfig&
         const double k = a.stiffness.value_or(0), m = mean_node_mass(n);
         const double unit = k > 0 ? std::sqrt(m / k) : 0;
         t.either(
-            Key{"relaxation_time", "s", "tau: g = tau k; what is stretched creeps back by it", not_negative},
-            Key{"damping_ratio",
-                "",
-                "g / sqrt(k m) of a mean node; 1.4 by default, that of couplings",
-                {0, 1e6}},
+            Key{"relaxation_time", "s",
+                "relaxation time tau: damping g = tau k; a stretched spring creeps back with it",
+                not_negative},
+            Key{"damping_ratio", "", "g / sqrt(k m) of a mean node; 1.4 by default, as couplings", {0, 1e6}},
             unit, default_net_damping_ratio * unit, a.relaxation_time);
       });
   v.advise(
       n.anchor_stiffness.value_or(1) > 0 || n.rim || !n.held.empty() || !n.attached.empty(), "",
-      "nothing holds net '" + n.name + "': give it anchor_stiffness, rim, [[net.held]] or [[net.attached]]");
+      "net '" + n.name + "' is not held: give it anchor_stiffness, rim, [[net.held]] or [[net.attached]]");
 }
 
 template <class V>
@@ -245,9 +242,10 @@ void visit_net(V& v, const SceneConfig& scene, const std::vector<std::string>& b
   visit_net_carrier(v, bodies, n);
   visit_net_surface(v, room, n);
   const double area = area_of(n.surface);
-  v.either(Key{"surface_density", "kg/m^2", "sigma; tissue: 1000 kg/m^3 times its thickness", positive, true},
-           Key{"mass", "kg", "of the whole net, instead", positive}, area > 0 ? 1 / area : 0, std::nullopt,
-           n.surface_density);
+  v.either(Key{"surface_density", "kg/m^2", "mass per area sigma; tissue: 1000 kg/m^3 times its thickness",
+               positive, true},
+           Key{"mass", "kg", "mass of the whole net, instead of surface_density", positive},
+           area > 0 ? 1 / area : 0, std::nullopt, n.surface_density);
   visit_net_springs(v, n);
   visit_net_anchors(v, n);
   advise_on_iterations(v, scene.step, n);
@@ -260,7 +258,7 @@ void visit_net(V& v, const SceneConfig& scene, const std::vector<std::string>& b
   visit_net_attached(v, bodies, n);
 }
 
-/// Bodies and joints have been visited.
+/// Visits the nets, after bodies and joints.
 template <class V>
 void visit_nets(V& v, SceneConfig& s) {
   std::vector<std::string> bodies;
@@ -276,12 +274,12 @@ void visit_nets(V& v, SceneConfig& s) {
              nodes += n.surface.vertices.size();
              springs += num_springs(n);
              t.check(springs <= max_net_springs, "",
-                     "nets have " + std::to_string(springs) + " springs, and there is room for " +
-                         std::to_string(max_net_springs) + ": take a larger spacing, or bending = 0");
+                     "nets have " + std::to_string(springs) + " springs, above the capacity of " +
+                         std::to_string(max_net_springs) + ": use a larger spacing, or bending = 0");
              attachments += num_attachments(n);
              t.check(attachments <= max_net_attachments, "attached",
-                     "makes " + std::to_string(attachments) + " attachments, and there is room for " +
-                         std::to_string(max_net_attachments) + ": take smaller balls, or a larger spacing");
+                     "makes " + std::to_string(attachments) + " attachments, above the capacity of " +
+                         std::to_string(max_net_attachments) + ": use smaller balls, or a larger spacing");
            });
 }
 

@@ -1,4 +1,4 @@
-// Every key of a device profile, once. V: TomlReader, or KeyReference, which sees defaults.
+// All keys of a device profile. V: TomlReader, or KeyReference with default values.
 #pragma once
 
 #include <set>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// A value and its line; none where the file has no such key.
+/// Reads a value and its line; none if the file does not have the key.
 template <class V, class T>
 void read_optional(V& t, const Key& key, std::optional<FromLine<T>>& out) {
   if constexpr (requires { t.template absent<T>(key); }) return t.template absent<T>(key);
@@ -20,7 +20,7 @@ void read_optional(V& t, const Key& key, std::optional<FromLine<T>>& out) {
   out = read;
 }
 
-/// A key that stands for an object of the dictionary.
+/// Reads a key that sets an object of the dictionary.
 template <class V>
 void read_object(V& t, const Key& key, canopen::ObjectAddress address, canopen::ObjectType type,
                  std::vector<ProfileObject>& out) {
@@ -34,10 +34,10 @@ inline constexpr Range unsigned_8{0, 255}, unsigned_16{0, 65535}, unsigned_32{0,
 template <class V>
 void read_identity(V& t, std::vector<ProfileObject>& out) {
   using canopen::ObjectType;
-  read_object(t, Key{"device_profile", "", "low word of 1000h: 402 or 406", unsigned_16}, {0x1000, 0},
-              ObjectType::u32, out);
-  read_object(t, Key{"vendor", "", "1018h:01; what is not given is not looked at", unsigned_32}, {0x1018, 1},
-              ObjectType::u32, out);
+  read_object(t, Key{"device_profile", "", "device profile, low word of 1000h: 402 or 406", unsigned_16},
+              {0x1000, 0}, ObjectType::u32, out);
+  read_object(t, Key{"vendor", "", "vendor, 1018h:01; objects not given are not checked", unsigned_32},
+              {0x1018, 1}, ObjectType::u32, out);
   read_object(t, Key{"product", "", "1018h:02", unsigned_32}, {0x1018, 2}, ObjectType::u32, out);
   read_object(t, Key{"revision", "", "1018h:03", unsigned_32}, {0x1018, 3}, ObjectType::u32, out);
   read_object(t, Key{"serial", "", "1018h:04", unsigned_32}, {0x1018, 4}, ObjectType::u32, out);
@@ -47,23 +47,32 @@ template <class V>
 void read_timeouts(V& t, NodeProfile& p) {
   t.value(Key{"boot",
               "s",
-              "from reset communication to the boot-up message",
+              "time limit from reset communication to the boot-up message",
               {.min = 0, .max = 60, .min_open = true}},
           p.boot_timeout_s);
-  t.value(Key{"sdo", "s", "for each answer to an SDO request", {.min = 0, .max = 60, .min_open = true}},
-          p.sdo_timeout_s);
-  t.value(Key{"mode", "s", "from 6060h to the same in 6061h", {.min = 0, .max = 60, .min_open = true}},
+  t.value(
+      Key{"sdo", "s", "time limit of each answer to an SDO request", {.min = 0, .max = 60, .min_open = true}},
+      p.sdo_timeout_s);
+  t.value(Key{"mode",
+              "s",
+              "time limit from writing 6060h to the same value in 6061h",
+              {.min = 0, .max = 60, .min_open = true}},
           p.mode_timeout_s);
 }
 
 template <class V>
 void read_heartbeat(V& t, NodeProfile& p) {
   read_optional(
-      t, Key{"period_ms", "ms", "1017h; at least two within the scene's `heartbeat_timeout`", unsigned_16},
+      t,
+      Key{"period_ms", "ms",
+          "period of the node's heartbeat, 1017h; at least two within the scene's `heartbeat_timeout`",
+          unsigned_16},
       p.heartbeat_ms);
   read_optional(
       t,
-      Key{"host_timeout_ms", "ms", "1016h:01; at least two of the scene's `heartbeat_period`", unsigned_16},
+      Key{"host_timeout_ms", "ms",
+          "time limit of the host's heartbeat, 1016h:01; at least two of the scene's `heartbeat_period`",
+          unsigned_16},
       p.host_timeout_ms);
 }
 
@@ -78,21 +87,26 @@ void read_drive(V& t, NodeProfile& p) {
               p.before_map);
   read_optional(t,
                 Key{"torque_rated_unit_Nm", "N m",
-                    "what one of 6076h means; without it 6076h is not looked at", positive},
+                    "torque of one count of 6076h; if missing, 6076h is not checked", positive},
                 p.torque_rated_unit_Nm);
-  read_optional(t, Key{"interpolation_time", "", "60C2h gets the scene's step"}, p.interpolation_time);
-  read_optional(t, Key{"mode", "", "6060h, and 6061h must follow: 10 is CST, 4 profile torque", {-128, 127}},
+  read_optional(t, Key{"interpolation_time", "", "true if 60C2h is set to the scene's step"},
+                p.interpolation_time);
+  read_optional(t,
+                Key{"mode",
+                    "",
+                    "mode, written to 6060h and checked in 6061h: 10 is CST, 4 profile torque",
+                    {-128, 127}},
                 p.mode);
   constexpr Range bit{-1, 15};
   read_optional(
       t,
       Key{"follows_bit", "",
-          "bit of 6041h that is set while the drive follows 6071h; -1: it has none, 12 by default", bit},
+          "bit of 6041h that is set while the drive follows 6071h; -1: no such bit; default 12", bit},
       p.follows_bit);
   read_optional(
       t,
       Key{"limit_bit", "",
-          "bit of 6041h that is set while the drive limits the torque; -1: it has none, 11 by default", bit},
+          "bit of 6041h that is set while the drive limits the torque; -1: no such bit; default 11", bit},
       p.limit_bit);
 }
 
@@ -100,7 +114,7 @@ template <class V>
 void read_map(V& t, PdoProfile& pdo) {
   const Key key{.name = "map",
                 .unit = "",
-                .meaning = "objects in their order in the frame, by name or as \"6077h:00:16\"",
+                .meaning = "objects in the order of the frame, by name or as \"6077h:00:16\"",
                 .required = true};
   std::vector<std::string> names;
   t.value(key, names);
@@ -109,8 +123,8 @@ void read_map(V& t, PdoProfile& pdo) {
     std::vector<std::string> known;
     for (const NamedObject& named : named_objects()) known.emplace_back(named.name);
     t.check(object.has_value(), key.name,
-            "names \"" + name + "\", which is no object: the nearest is \"" + nearest(name, known) +
-                "\"; any other is written \"6077h:00:16\", index, sub-index and bits");
+            "names \"" + name + "\", which is not an object: the nearest is \"" + nearest(name, known) +
+                "\"; write any other as \"6077h:00:16\": index, sub-index and bits");
     if (!object) continue;
     object->line = t.line_of(key.name);
     pdo.map.push_back(*object);
@@ -124,7 +138,7 @@ void read_pdo(V& t, PdoProfile& pdo) {
   std::size_t which = 0;
   t.one_of(Key{.name = "pdo",
                .unit = "",
-               .meaning = "which of the node's PDOs: rpdo1 to rpdo4, tpdo1 to tpdo4",
+               .meaning = "PDO of the node: rpdo1 to rpdo4, tpdo1 to tpdo4",
                .required = true},
            {"rpdo1", "rpdo2", "rpdo3", "rpdo4", "tpdo1", "tpdo2", "tpdo3", "tpdo4"}, which);
   pdo.direction = which < 4 ? PdoDirection::receive : PdoDirection::transmit;
@@ -133,8 +147,8 @@ void read_pdo(V& t, PdoProfile& pdo) {
   const bool transmit = pdo.direction == PdoDirection::transmit;
 
   const Key transmission{"transmission", "",
-                         "xx:02: 1 to 240 every n-th SYNC, 254 and 255 event; of a TPDO by default "
-                         "`status_every_nth_sync` of the scene",
+                         "transmission type, xx:02: 1 to 240 every n-th SYNC, 254 and 255 by event; TPDOs by "
+                         "default `status_every_nth_sync` of the scene",
                          unsigned_8};
   std::optional<FromLine<std::uint8_t>> type;
   read_optional(t, transmission, type);
@@ -144,22 +158,23 @@ void read_pdo(V& t, PdoProfile& pdo) {
   pdo.transmission = type.value_or(FromLine<std::uint8_t>{.value = 1, .line = pdo.line});
 
   std::optional<FromLine<std::uint16_t>> event_timer, deadline;
-  read_optional(t, Key{"inhibit_100us", "100 us", "xx:03, of a TPDO", unsigned_16}, pdo.inhibit_100us);
-  read_optional(t, Key{"event_timer_ms", "ms", "xx:05 of a TPDO: its period", unsigned_16}, event_timer);
+  read_optional(t, Key{"inhibit_100us", "100 us", "inhibit time of a TPDO, xx:03", unsigned_16},
+                pdo.inhibit_100us);
+  read_optional(t, Key{"event_timer_ms", "ms", "period of a TPDO, xx:05", unsigned_16}, event_timer);
   read_optional(t,
                 Key{"deadline_ms", "ms",
-                    "xx:05 of an RPDO: the node reacts when it stays out, where it has this", unsigned_16},
+                    "deadline of an RPDO, xx:05, after which a node that supports it reacts", unsigned_16},
                 deadline);
-  t.check(transmit || !pdo.inhibit_100us, "inhibit_100us", "is of a TPDO: remove it");
-  t.check(transmit || !event_timer, "event_timer_ms", "is of a TPDO; an RPDO has deadline_ms");
-  t.check(!transmit || !deadline, "deadline_ms", "is of an RPDO; a TPDO has event_timer_ms");
+  t.check(transmit || !pdo.inhibit_100us, "inhibit_100us", "is a key of TPDOs: remove it");
+  t.check(transmit || !event_timer, "event_timer_ms", "is a key of TPDOs: use deadline_ms for an RPDO");
+  t.check(!transmit || !deadline, "deadline_ms", "is a key of RPDOs: use event_timer_ms for a TPDO");
   pdo.timer_ms = transmit ? event_timer : deadline;
   t.check(!transmit || !event || (event_timer && event_timer->value > 0), "transmission",
-          "is by event: give event_timer_ms, or the PDO may never be sent");
+          "is by event and may never be sent: add event_timer_ms");
   read_map(t, pdo);
 }
 
-/// A write that no other key stands for.
+/// Reads a write to an object without a key of its own.
 template <class V>
 void read_write(V& t, ProfileObject& object, bool& after_map) {
   constexpr Range any_write{-2147483648.0, 4294967295.0};
@@ -168,37 +183,38 @@ void read_write(V& t, ProfileObject& object, bool& after_map) {
   std::size_t type = static_cast<std::size_t>(canopen::ObjectType::u32);
   t.one_of(Key{.name = "type",
                .unit = "",
-               .meaning = "of the object: u8, u16, u32, i8, i16 or i32",
+               .meaning = "type of the object: u8, u16, u32, i8, i16 or i32",
                .required = true},
            {canopen::object_type_names.begin(), canopen::object_type_names.end() - 1}, type);
   object.type = static_cast<canopen::ObjectType>(type);
-  t.value(Key{"value", "", "what is written", any_write, true}, object.value);
+  t.value(Key{"value", "", "value to write", any_write, true}, object.value);
   t.check(canopen::in_range(object.type, object.value), "value",
           std::string("does not fit into ") + canopen::object_type_names[type]);
-  t.value(Key{"after_map", "", "after the PDO mapping instead of before it"}, after_map);
+  t.value(Key{"after_map", "", "true if written after the PDO mapping instead of before it"}, after_map);
   object.line = t.line_of("value");
 }
 
 template <class V>
 void read_profile(V& t, NodeProfile& p) {
-  t.value(Key{"about", "", "what it is for, and what of it is not tried"}, p.about);
+  t.value(Key{"about", "", "purpose of the profile, and its untested parts"}, p.about);
   const auto table = [&](const TableKey& key, auto read) {
     bool present = false;
     t.table(key, present, read);
   };
-  table({"identity", "What 1000h and 1018h must say."}, [&](auto& s) { read_identity(s, p.identity); });
-  table({"timeout", "How long the host waits."}, [&](auto& s) { read_timeouts(s, p); });
-  table({"heartbeat", "Of the node, and of the host as the node sees it."},
+  table({"identity", "Required values of 1000h and 1018h."}, [&](auto& s) { read_identity(s, p.identity); });
+  table({"timeout", "Time limits of the host."}, [&](auto& s) { read_timeouts(s, p); });
+  table({"heartbeat", "Heartbeats of the node, and of the host as supervised by the node."},
         [&](auto& s) { read_heartbeat(s, p); });
   table({"drive", "Of CiA 402."}, [&](auto& s) { read_drive(s, p); });
   std::set<std::pair<PdoDirection, int>> pdos;
-  t.tables(TableKey{"pdo", "A PDO as it shall be; TPDOs that are not named are switched off."}, p.pdos,
+  t.tables(TableKey{"pdo", "A PDO to set up; TPDOs without a table are switched off."}, p.pdos,
            [&](auto& s, PdoProfile& pdo) {
              read_pdo(s, pdo);
-             s.check(pdos.emplace(pdo.direction, pdo.number).second, "pdo", "has an earlier [[pdo]]");
+             s.check(pdos.emplace(pdo.direction, pdo.number).second, "pdo",
+                     "has an earlier [[pdo]] table: remove one");
            });
   std::vector<ProfileObject> writes;
-  t.tables(TableKey{"write", "Any other object to write, in the order of the file."}, writes,
+  t.tables(TableKey{"write", "Another object to write, in the order of the file."}, writes,
            [&](auto& s, ProfileObject& object) {
              bool after_map = false;
              read_write(s, object, after_map);

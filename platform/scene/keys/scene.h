@@ -1,7 +1,5 @@
-// Every key of a scene file, once: name, unit, range, meaning and the member it stands for; those below
-// [device], [[joint]] and of contacts are in files of their own. See platform/scene/text/visit.h for what walks it.
-//
-// The room: a table of the file each; reader, writer and docs/scenes.md walk the same list. A new key is a line here.
+// All keys of a scene file with name, unit, range, meaning and member. Keys below [device], [[joint]] and of
+// contacts have files of their own. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <cmath>
@@ -25,7 +23,7 @@ inline constexpr double default_damping_ratio = 1.4;  // the paper: 1.4 <= g / s
 inline constexpr double min_advised_ratio = 1.4, max_advised_ratio = 2.0;
 inline constexpr double max_advised_step = 2e-3;  // s
 
-/// What a damping ratio of one means on this body: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
+/// Mass and inertia that define damping ratios: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
 struct Massiveness {
   double mass = 1;     // kg
   double inertia = 1;  // largest principal moment, kg m^2
@@ -42,7 +40,8 @@ void advise_ratio(V& v, std::string_view key, double damping, double critical_da
                to_string(Range{min_advised_ratio, max_advised_ratio}));
 }
 
-/// The four gains; a gain that is not given is what it is on entry, or `ratio` where that is stated.
+/// Visits the four gains. A gain that is not given keeps its value, or has the damping ratio `ratio` if this
+/// is set.
 template <class V>
 void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
   const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
@@ -75,32 +74,31 @@ void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
 template <class V>
 void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
   double scale = 0;
-  v.shorthand(
-      Key{"scale",
-          "",
-          "a stiffness not given here is this times the coupling's; damping is not taken over: sampled, it "
-          "needs as much damping in the device",
-          {0, 1e3}},
-      scale);
+  v.shorthand(Key{"scale",
+                  "",
+                  "factor of the coupling's stiffness, for each stiffness not given here. Damping is not "
+                  "scaled: sampled damping requires as much damping in the device",
+                  {0, 1e3}},
+              scale);
   if (scale > 0)
     f = {.stiffness = scale * coupling.stiffness,
          .rotational_stiffness = scale * coupling.rotational_stiffness};
   visit_gains(v, body, std::nullopt, f);
 }
 
-/// What is not given is that of the body named `like`, as numbers; but for name, place and velocity.
+/// Copies the body named by `like`, with numbers for its ratios, except name, pose and velocity.
 template <class V>
 void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   std::string like;
-  v.shorthand(
-      Key{"like", "",
-          "an earlier body: all that is not given here is as there (a damping ratio: the damping), but "
-          "for name, place and velocity. A list of tables is given as a whole"},
-      like);
+  v.shorthand(Key{"like", "",
+                  "name of an earlier body, from which missing keys are copied (a damping ratio as its "
+                  "damping), except name, pose and velocity. A list of tables is copied as a whole"},
+              like);
   if (like.empty()) return;
   const auto earlier = std::ranges::find_if(
       bodies, [&](const BodyConfig& other) { return &other != &b && other.name == like; });
-  v.check(earlier != bodies.end(), "like", "is \"" + like + "\", which is no earlier body");
+  v.check(earlier != bodies.end(), "like",
+          "is \"" + like + "\", which is not an earlier body: name a body above this one");
   if (earlier == bodies.end()) return;
   const std::string name = b.name;
   b = *earlier;
@@ -115,23 +113,23 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   visit_like(v, bodies, b);
   const bool own = !v.has("like");
   v.value(Key{"mass", "kg", "mass", {1e-12, 1e9}, own}, b.mass);
-  v.inertia(Key{"inertia", "kg m^2", "about the centre of mass in body axes", any_number, own}, b.inertia);
+  v.inertia(Key{"inertia", "kg m^2", "inertia about the centre of mass in body axes", any_number, own},
+            b.inertia);
   visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
-  v.value(Key{"velocity", "m/s", "of the centre of mass at t = 0, world axes"}, b.V_WB.v);
-  v.value(Key{"angular_velocity", "rad/s", "at t = 0, world axes"}, b.V_WB.w);
+  v.value(Key{"velocity", "m/s", "velocity of the centre of mass at t = 0, world axes"}, b.V_WB.v);
+  v.value(Key{"angular_velocity", "rad/s", "angular velocity at t = 0, world axes"}, b.V_WB.w);
   const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   const Massiveness body{b.mass, I_max};
-  optional_table(
-      v,
-      TableKey{"coupling",
-               "Spring and damper (2) that pull the body to its target; without it the body is free."},
-      b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
+  optional_table(v,
+                 TableKey{"coupling",
+                          "Spring and damper that pull the body to its target; without it the body is free."},
+                 b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
   optional_table(v,
                  TableKey{"feedback",
-                          "The wrench (8) shown to the hand; without it there is no haptic feedback. Same "
-                          "keys as the coupling's, and `scale`."},
+                          "Spring and damper of the displayed wrench; without it there is no haptic "
+                          "feedback. Same keys as the coupling's, and `scale`."},
                  b.feedback, [&](auto& t, FeedbackConfig& f) {
-                   t.check(b.coupling.has_value(), "", "feedback needs a coupling: add [body.coupling]");
+                   t.check(b.coupling.has_value(), "", "feedback requires a coupling: add [body.coupling]");
                    visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
                  });
   visit_spheres_and_shapes(v, b);
@@ -145,15 +143,13 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
 template <class V>
 void visit_header(V& v, SceneConfig& s) {
   visit_name(v, "short name of the scene", s.name);
-  v.value(Key{"about", "", "one line on what the scene shows"}, s.about);
-  v.value(Key{"step", "s", "h, the fixed step and the period of the loop", {1e-6, 0.1}}, s.step);
+  v.value(Key{"about", "", "purpose of the scene in one line"}, s.about);
+  v.value(Key{"step", "s", "step h: fixed time step, and period of the loop", {1e-6, 0.1}}, s.step);
   v.advise(s.step <= max_advised_step, "step",
-           "is above 2 ms: a hand feels the delay, and feedback gains must be low");
-  v.value(Key{"duration",
-              "s",
-              "how long a run lasts unless --duration says otherwise",
-              {.min = 0, .max = 1e6, .min_open = true}},
-          s.duration);
+           "is above 2 ms: the hand feels the delay, and feedback gains must be low; use a shorter step");
+  v.value(
+      Key{"duration", "s", "duration of a run without --duration", {.min = 0, .max = 1e6, .min_open = true}},
+      s.duration);
   choose(v,
          Key{.name = "integrator",
              .unit = "",
@@ -162,36 +158,38 @@ void visit_header(V& v, SceneConfig& s) {
          {integrator_names.begin(), integrator_names.end()}, s.integrator);
   choose(v,
          Key{"coupling", "",
-             "god-object: each [body.coupling] pulls; imposed: driven bodies are placed at their targets in "
-             "every "
-             "step"},
+             "god-object: each [body.coupling] pulls its body; imposed: driven bodies are placed at their "
+             "targets in every step"},
          coupling_names, s.coupling);
   v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
-  v.value(
-      Key{"net_iterations",
-          "",
-          "of conjugate gradients in a stage of nets, at most; what they leave is residual_N of the report",
-          {1, 1000}},
-      s.net_iterations);
+  v.value(Key{"net_iterations",
+              "",
+              "largest number of iterations of conjugate gradients in a stage of nets; their residual is "
+              "residual_N of the report",
+              {1, 1000}},
+          s.net_iterations);
 }
 
 template <class V>
 void visit_coordinate_motion(V& v, const std::vector<std::string>& device_joints, CoordinateMotion& m) {
-  choose(v, Key{.name = "coordinate", .unit = "", .meaning = "joint of the device", .required = true},
+  choose(v,
+         Key{.name = "coordinate", .unit = "", .meaning = "name of a joint of the device", .required = true},
          device_joints, m.coordinate);
-  v.value(Key{"offset", "rad or m", "q_0 of q(t) = q_0 + A sin(2 pi f t + phase)"}, m.offset);
+  v.value(Key{"offset", "rad or m", "centre q_0 of q(t) = q_0 + A sin(2 pi f t + phase)"}, m.offset);
   v.value(Key{"amplitude", "rad or m", "A of the same"}, m.amplitude);
   v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
-  v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
+  v.value(Key{"phase", "rad", "phase of that motion"}, m.phase);
 }
 
 template <class V>
 void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>& device_joints,
                   MotionConfig& m) {
-  v.value(Key{"amplitude", "m", "A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"}, m.amplitude);
+  v.value(Key{"amplitude", "m", "amplitude A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"},
+          m.amplitude);
   v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
-  v.value(Key{"phase", "rad", "phase of the same"}, m.phase);
-  v.value(Key{"angle_amplitude", "rad", "the same form for three angles about z, y, x: q(t) = q_0 qz qy qx"},
+  v.value(Key{"phase", "rad", "phase of that motion"}, m.phase);
+  v.value(Key{"angle_amplitude", "rad",
+              "amplitudes of three angles about z, y, x, of the same form: q(t) = q_0 qz qy qx"},
           m.angle_amplitude);
   v.value(Key{"angle_frequency_hz", "Hz", "", {0, 1e3}}, m.angle_frequency_hz);
   v.value(Key{"angle_phase", "rad", ""}, m.angle_phase);
@@ -205,7 +203,7 @@ void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>
   v.tables(
       TableKey{
           "joint",
-          "Motion of a joint of the device, instead of the target's pose; joints without a table rest at 0."},
+          "Motion of a joint of the device, instead of the target's pose. Joints without a table rest at 0."},
       m.joints, [&](auto& t, CoordinateMotion& q) {
         visit_coordinate_motion(t, device_joints, q);
         t.check(moved.insert(q.coordinate).second, "coordinate", "has an earlier table");
@@ -217,12 +215,12 @@ void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>
 
 template <class V>
 void visit_wire(V& v, WireConfig& w) {
-  v.value(Key{"seed", "", "of the faults made by chance", {0, 9007199254740992.0}}, w.seed);
-  v.value(Key{"loss_probability", "", "that a frame is lost", probability}, w.loss_probability);
-  v.value(
-      Key{"corruption_probability", "", "that a frame is corrupted on the wire and sent again", probability},
-      w.corruption_probability);
-  v.value(Key{"delay", "s", "added to every frame", {0, 1}}, w.delay_s);
+  v.value(Key{"seed", "", "seed of the random faults", {0, 9007199254740992.0}}, w.seed);
+  v.value(Key{"loss_probability", "", "probability that a frame is lost", probability}, w.loss_probability);
+  v.value(Key{"corruption_probability", "",
+              "probability that a frame is corrupted on the wire and sent again", probability},
+          w.corruption_probability);
+  v.value(Key{"delay", "s", "delay added to every frame", {0, 1}}, w.delay_s);
 }
 
 inline std::vector<std::string> device_joints(const SceneConfig& s) {
@@ -232,21 +230,22 @@ inline std::vector<std::string> device_joints(const SceneConfig& s) {
   return names;
 }
 
-/// A device that takes hold of bodies has one handle: the tool's joints are not its own, unless a motion moves them.
+/// Removes the tool's joints from a device that grips bodies, since it has one handle, unless a motion moves
+/// them.
 inline void drop_idle_tree(SceneConfig& s) {
-  if (!takes_hold(s) || !s.device->unmeasured_tree) return;
+  if (!grips_bodies(s) || !s.device->unmeasured_tree) return;
   const bool moved = s.motion && !s.motion->joints.empty();
   if (!moved && s.device->unmeasured_tree->handles.size() > 1) s.device->unmeasured_tree.reset();
 }
 
-/// An imposed joint finds its coordinates on the device.
+/// Checks that the device has the coordinates of prescribed joints.
 template <class V>
-void check_imposed(V& v, const SceneConfig& s) {
+void check_prescribed_joints(V& v, const SceneConfig& s) {
   const std::vector<std::string> of_device = device_joints(s);
   for (const JointConfig& joint : s.joints) {
     if (!joint.imposed) continue;
     v.check(device_tree(s) != nullptr, "joint",
-            "'" + joint.name + "' is imposed: it needs a [device] with joints");
+            "'" + joint.name + "' is imposed and requires a [device] with joints: add one");
     if (device_tree(s) == nullptr) continue;
     for (const std::string& q : joint.coordinates)
       v.check(std::ranges::find(of_device, q) != of_device.end(), "joint",
@@ -259,30 +258,31 @@ template <class V>
 void check_coupling_mode(V& v, const SceneConfig& s) {
   if (s.coupling != CouplingMode::imposed) return;
   const bool gives_a_pose = !(s.device && s.device->kind == DeviceKind::admittance);
-  v.check(
-      gives_a_pose, "scene",
-      "has coupling \"imposed\", but a device of kind \"admittance\" gives no pose to place bodies at: use "
-      "\"god-object\"");
+  v.check(gives_a_pose, "scene",
+          "has coupling \"imposed\", but a device of kind \"admittance\" has no pose for the bodies: use "
+          "\"god-object\"");
   v.check(std::ranges::any_of(s.bodies, [](const BodyConfig& b) { return b.coupling.has_value(); }), "scene",
           "has coupling \"imposed\" and no body to place: add [body.coupling] to one");
 }
 
-/// Rules between tables.
+/// Checks rules between tables.
 template <class V>
 void check_scene(V& v, const SceneConfig& s) {
   const auto coupled = [](const BodyConfig& b) { return b.coupling.has_value(); };
-  check_imposed(v, s);
+  check_prescribed_joints(v, s);
   check_coupling_mode(v, s);
   check_holding(v, s);
   const auto with_feedback = [](const BodyConfig& b) { return b.feedback.has_value(); };
   if (!s.device) return;
   const bool feedback = std::ranges::any_of(s.bodies, with_feedback);
   v.check(s.device->kind == DeviceKind::admittance || std::ranges::any_of(s.bodies, coupled), "device",
-          "drives no body: add [body.coupling] to the body it holds");
-  v.check(s.device->kind != DeviceKind::non_haptic || !feedback, "device",
-          "of kind \"non-haptic\" shows nothing: remove [body.feedback], or use kind \"impedance\"");
+          "drives no body: add [body.coupling] to the body that it moves");
+  v.check(
+      s.device->kind != DeviceKind::non_haptic || !feedback, "device",
+      "of kind \"non-haptic\" cannot display a wrench: remove [body.feedback], or use kind \"impedance\"");
   v.advise(!feedback || !s.device->rig || !s.device->rig->drives.empty(), "device",
-           "has no [[device.drive]]: the feedback is computed but cannot be shown");
+           "has no [[device.drive]]: the feedback is computed but not displayed; add drives, or remove "
+           "[body.feedback]");
 }
 
 template <class V>
@@ -293,7 +293,8 @@ void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
            [&](auto& t, BodyConfig& b) {
              visit_body(t, s.bodies, b);
              t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
-             t.check(b.name != world_name, "name", "is what joints call the ground: choose another name");
+             t.check(b.name != world_name, "name",
+                     "is the name of the ground in joints: choose another name");
            });
   visit_tool_joints(v, s);
   visit_nets(v, s);
@@ -303,26 +304,24 @@ void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
   v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
     visit_name(t, "name of the bus", b.name);
     t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
-    t.value(Key{"bit_rate", "bit/s", "of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
-    t.value(Key{"data_bit_rate", "bit/s", "of the data phase of CAN FD; 0: a classic bus", {0, 8e6}},
+    t.value(Key{"bit_rate", "bit/s", "bit rate of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
+    t.value(Key{"data_bit_rate", "bit/s", "bit rate of the data phase of CAN FD; 0: a classic bus", {0, 8e6}},
             b.data_bit_rate);
     t.check(b.data_bit_rate == 0 || b.data_bit_rate >= b.bit_rate, "data_bit_rate",
             "is below bit_rate: must be 0, or bit_rate and above");
   });
-  optional_table(v,
-                 TableKey{"device", "The device that drives the coupled bodies, and the rig it is made of."},
-                 s.device, [&](auto& t, DeviceConfig& d) { visit_device(t, s, buses, d); });
-  optional_table(v,
-                 TableKey{"motion", "Built-in motion of the target, used where no --motion file is given."},
+  optional_table(v, TableKey{"device", "The device that drives the coupled bodies, and its rig."}, s.device,
+                 [&](auto& t, DeviceConfig& d) { visit_device(t, s, buses, d); });
+  optional_table(v, TableKey{"motion", "Built-in motion of the target, used without a --motion file."},
                  s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
   drop_idle_tree(s);
-  plain_table(v, TableKey{"wire", "Faults of the simulated bus; none by default."},
+  plain_table(v, TableKey{"wire", "Random faults of the simulated bus; default: none."},
               [&](auto& t) { visit_wire(t, s.wire); });
-  v.tables(
-      TableKey{"fault",
-               "A fault that the simulated rig plays; the verbs and what they take are in docs/faults.md.",
-               false, 10'000},
-      s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, checks, f); });
+  v.tables(TableKey{"fault",
+                    "A fault played by the simulated rig; its verbs and values are listed in docs/faults.md.",
+                    false, 10'000},
+           s.faults,
+           [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, checks, f); });
   check_scene(v, s);
 }
 

@@ -1,4 +1,4 @@
-// Every key of [device.spacemouse] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+// All keys of [device.spacemouse] of a scene file. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include "hal/tracker/spacenav.h"
@@ -11,48 +11,48 @@ namespace godobject {
 template <class V>
 void visit_spacemouse(V& v, const std::vector<std::string>& bodies, SpaceMouseConfig& s) {
   if (s.body.empty() && !bodies.empty()) s.body = bodies.front();
-  choose(
-      v,
-      Key{.name = "body",
-          .unit = "",
-          .meaning = "coupled body that it leads; where the device takes hold of bodies: at which it begins",
-          .otherwise = "the first coupled body"},
-      bodies, s.body);
+  choose(v,
+         Key{.name = "body",
+             .unit = "",
+             .meaning = "coupled body that it moves; for a device that grips bodies: body at which it starts",
+             .otherwise = "the first coupled body"},
+         bodies, s.body);
   v.attitude(Key{"orientation_wxyz", "",
-                 "attitude of its frame in the world: x to the right, y away from the user, z up"},
+                 "attitude of its frame in the world; x to the right, y away from the user, z up"},
              s.q_WM);
-  v.value(Key{"max_speed", "m/s", "of the target while the cap is pushed to full scale", positive},
+  v.value(Key{"max_speed", "m/s", "speed of the target while the cap is pushed to full scale", positive},
           s.max_speed);
-  v.value(Key{"max_turn_rate", "rad/s", "of the target while the cap is turned to full scale", positive},
+  v.value(Key{"max_turn_rate", "rad/s", "angular speed of the target while the cap is turned to full scale",
+              positive},
           s.max_turn_rate);
-  v.value(Key{"full_scale", "", "counts of an axis at its stop, as the daemon sends them", positive},
+  v.value(Key{"full_scale", "", "counts of an axis at its stop, as sent by the daemon", positive},
           s.full_scale);
-  v.value(Key{"deadband", "", "counts of an axis that do not count", not_negative}, s.deadband);
+  v.value(Key{"deadband", "", "counts of an axis below which it is at rest", not_negative}, s.deadband);
   v.check(s.deadband < s.full_scale, "deadband", "must be below full_scale");
   v.value(Key{"rate", "Hz",
-              "at which it reports while it is pushed: after three periods without a report it leads nothing",
+              "rate of its reports while it is pushed; after three periods without a report the target rests",
               positive},
           s.rate_hz);
   const Range buttons{-1, max_spacenav_button};
-  v.value(Key{"clutch_button", "", "number of the button that opens the clutch while it is pressed; -1: none",
-              buttons},
-          s.clutch_button);
-  v.value(Key{"hold_button", "",
-              "number of the button that takes hold of the nearest body within `grab_radius`, and lets go; "
-              "-1: none",
-              buttons},
-          s.hold_button);
+  v.value(
+      Key{"clutch_button", "", "number of the button that opens the clutch while pressed; -1: none", buttons},
+      s.clutch_button);
+  v.value(
+      Key{"hold_button", "",
+          "number of the button that grips the nearest body within `grab_radius`, or releases it; -1: none",
+          buttons},
+      s.hold_button);
   v.check(s.hold_button < 0 || s.hold_button != s.clutch_button, "hold_button",
-          "is clutch_button, too: give another number");
+          "is also clutch_button: give another number");
 }
 
-/// It shows no force, and no other hand leads.
+/// Checks that the device displays no force and that nothing else moves the tool.
 template <class V>
 void check_spacemouse(V& v, const DeviceConfig& d) {
   v.check(d.kind == DeviceKind::relative || d.kind == DeviceKind::non_haptic, "spacemouse",
-          "shows no force: [device] kind must be \"relative\", or \"non-haptic\"");
+          "displays no force: [device] kind must be \"relative\" or \"non-haptic\"");
   v.check(!d.rig && d.trackers.empty(), "spacemouse",
-          "leads the tool, and so do the device's encoders and trackers: remove either");
+          "moves the tool, and so do the device's encoders and trackers: remove either");
 }
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// Every key below [[device.tracker]] of a scene file, once. See platform/scene/text/visit.h for what walks it.
+// All keys below [[device.tracker]] of a scene file. Visitors: platform/scene/text/visit.h.
 #pragma once
 
 #include <set>
@@ -12,56 +12,58 @@ namespace godobject {
 /// bodies: names of those that can have a target.
 template <class V>
 void visit_tracked_tool(V& v, const std::vector<std::string>& bodies, TrackedToolParams& t) {
-  choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body it is the target of", .required = true},
+  choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body whose target it is", .required = true},
          bodies, t.body);
-  v.value(
-      Key{.name = "tool",
-          .unit = "",
-          .meaning =
-              "NDI: port handle, two digits as `\"0A\"`, or the file of a passive tool's definition (.rom), "
-              "relative to the scene; Polhemus: number of the station",
-          .required = true},
-      t.tool);
+  v.value(Key{.name = "tool",
+              .unit = "",
+              .meaning = "tool. NDI: port handle, two digits as `\"0A\"`, or file of a passive tool's "
+                         "definition (.rom), relative to the scene; Polhemus: number of the station",
+              .required = true},
+          t.tool);
   visit_pose(v, "target_position", "target_orientation_wxyz", "the target in the tool's frame", t.X_TH);
 }
 
 template <class V>
 void visit_tracker(V& v, const std::vector<std::string>& bodies, std::set<std::string>& tracked,
                    TrackerParams& t) {
-  visit_name(v, "name of the tracker, for messages and faults", t.name);
-  choose(v, Key{"protocol", "", "ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot"},
+  visit_name(v, "name of the tracker in messages and faults", t.name);
+  choose(v, Key{"protocol", "", "protocol. ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot"},
          tracker_protocol_names, t.protocol);
   v.value(Key{.name = "port",
               .unit = "",
-              .meaning = "serial line, best `\"/dev/serial/by-id/...\"`",
+              .meaning = "serial line, preferably `\"/dev/serial/by-id/...\"`",
               .required = true},
           t.port);
-  v.value(Key{"baud", "bit/s", "on the line; NDI: what it is raised to from 9600", {1200, 4e6}}, t.baud);
+  v.value(Key{"baud",
+              "bit/s",
+              "bit rate of the line; NDI: the rate after the first contact at 9600",
+              {1200, 4e6}},
+          t.baud);
   visit_pose(v, "position", "orientation_wxyz", "the tracker's frame in the world", t.X_WT);
-  v.unit_vector(
-      Key{"hemisphere", "",
-          "Polhemus: direction from the source to the half of space in which its sensors are, in the "
-          "tracker's frame"},
-      t.hemisphere);
-  v.value(Key{"stale_after", "s", "a pose older than this is not valid any more", positive}, t.stale_after_s);
-  v.value(Key{"boot_timeout", "s", "from opening the line to tracking", positive}, t.boot_timeout_s);
-  v.value(Key{"min_cutoff", "Hz", "One-Euro filter: cut-off at rest; 0: no filter", not_negative},
+  v.unit_vector(Key{"hemisphere", "",
+                    "Polhemus: direction from the source towards the half-space of its sensors, in the "
+                    "tracker's frame"},
+                t.hemisphere);
+  v.value(Key{"stale_after", "s", "age beyond which a pose is invalid", positive}, t.stale_after_s);
+  v.value(Key{"boot_timeout", "s", "time limit from opening the line to tracking", positive},
+          t.boot_timeout_s);
+  v.value(Key{"min_cutoff", "Hz", "One-Euro filter: cut-off frequency at rest; 0: no filter", not_negative},
           t.min_cutoff_hz);
-  v.value(Key{"cutoff_slope", "1/m", "One-Euro filter: Hz of cut-off added per m/s", not_negative},
+  v.value(Key{"cutoff_slope", "1/m", "One-Euro filter: cut-off frequency added per speed, Hz per m/s",
+              not_negative},
           t.cutoff_slope_s_per_m);
-  v.tables(
-      TableKey{
-          .name = "tool", .meaning = "A tool that the tracker sees: the target of a body.", .required = true},
-      t.tools, [&](auto& table, TrackedToolParams& tool) {
-        visit_tracked_tool(table, bodies, tool);
-        table.check(tracked.insert(tool.body).second, "body", "is the target of an earlier tool or handle");
-      });
+  v.tables(TableKey{.name = "tool", .meaning = "A tracked tool: the target of a body.", .required = true},
+           t.tools, [&](auto& table, TrackedToolParams& tool) {
+             visit_tracked_tool(table, bodies, tool);
+             table.check(tracked.insert(tool.body).second, "body",
+                         "is the target of an earlier tool or handle: choose another body");
+           });
   v.check(t.tools.size() <= max_tracked_tools, "tool",
           "must be at most " + std::to_string(max_tracked_tools) + " tables, not " +
               std::to_string(t.tools.size()));
 }
 
-/// Names of the bodies that have a handle of the device's own.
+/// Returns the names of the bodies with a handle of the device's own.
 inline std::set<std::string> handled_bodies(const DeviceConfig& device) {
   std::set<std::string> names;
   if (!device.rig) return names;

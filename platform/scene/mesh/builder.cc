@@ -10,12 +10,12 @@ namespace godobject {
 namespace {
 
 constexpr std::size_t max_corners = 3 * max_mesh_triangles;
-constexpr int max_apexes = 16;       // corners of a face that are tried: time stays linear in the file
-constexpr double least_area = 1e-9;  // of the longest edge squared, as in core/shape/mesh_setup.h
+constexpr int max_apexes = 16;       // corners of a face to try, so that time stays linear in the file
+constexpr double least_area = 1e-9;  // relative to the longest edge squared, as in core/shape/mesh_setup.h
 
 using Polygon = std::vector<std::uint32_t>;
 
-/// The area of a polygon as a vector, twice (Newell).
+/// Returns twice the area vector of a polygon (Newell).
 Vec3 area_2(const std::vector<Vec3>& vertices, const Polygon& polygon) {
   Vec3 sum = Vec3::Zero();
   const Vec3& o = vertices[polygon[0]];
@@ -24,20 +24,20 @@ Vec3 area_2(const std::vector<Vec3>& vertices, const Polygon& polygon) {
   return sum;
 }
 
-/// Whether the triangle has an area, and faces the way n does.
+/// True if the triangle has an area and its normal points along n.
 bool faces(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& n) {
   const Vec3 u = b - a, v = c - a;
   const double longest_sq = std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()});
   return u.cross(v).dot(n) > least_area * longest_sq;
 }
 
-/// The corner from which triangles fan out over the polygon without one that is folded back or has no area.
+/// Finds the corner from which triangles fan out over the polygon without a folded or degenerate one.
 class Fan {
  public:
   Fan(const std::vector<Vec3>& vertices, const Polygon& polygon)
       : vertices_(vertices), polygon_(polygon), n_(area_2(vertices, polygon).normalized()) {}
 
-  /// A convex polygon has many such corners, one with a single dent has one at the dent.
+  /// A convex polygon has many such corners; a polygon with a single dent has one at the dent.
   std::optional<std::size_t> apex() const {
     if (is_apex(0)) return 0;
     int tries = max_apexes;
@@ -64,13 +64,13 @@ class Fan {
   Vec3 n_;
 };
 
-/// Without corners that repeat the one before: a quadrilateral with two equal corners is a triangle.
+/// Removes repeated corners: a quadrilateral with two equal corners is a triangle.
 void remove_repeated(Polygon& polygon) {
   polygon.erase(std::unique(polygon.begin(), polygon.end()), polygon.end());
   while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
 }
 
-/// Gives places numbers in the order of their first use.
+/// Numbers positions in the order of their first use.
 class Welder {
  public:
   Welder(double scale, MeshData& to) : scale_(scale), to_(to) {}
@@ -98,7 +98,7 @@ std::string MeshBuilder::add_vertex(const std::array<double, 3>& p) {
   Point point;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!(std::abs(p[i]) <= static_cast<double>(std::numeric_limits<float>::max())))
-      return "a coordinate is not a finite number of single precision";
+      return "a coordinate is not a finite number in single precision";
     point[i] = static_cast<float>(p[i]);
   }
   points_.push_back(point);
@@ -137,13 +137,13 @@ std::string MeshBuilder::build(double scale, MeshData& to) const {
       polygon.push_back(number);
     }
     remove_repeated(polygon);
-    if (polygon.size() < 3) continue;  // a point or a line: its neighbours meet where it was
+    if (polygon.size() < 3) continue;  // a point or a line; its neighbours meet there
     std::size_t apex = 0;
     if (polygon.size() > 3) {
       const std::optional<std::size_t> found = Fan(to.vertices, polygon).apex();
       if (!found)
         return in_face(face, "a face of " + std::to_string(polygon.size()) +
-                                 " corners is bent, or has no corner that sees all of it: cut it into "
+                                 " corners is not flat, or not star-shaped from any corner: cut it into "
                                  "triangles with a mesh editor");
       apex = *found;
     }
@@ -155,7 +155,7 @@ std::string MeshBuilder::build(double scale, MeshData& to) const {
       to.triangles.push_back({at(0), at(k), at(k + 1)});
     }
   }
-  return to.triangles.empty() ? "has no triangles" : "";
+  return to.triangles.empty() ? "has no triangles: export the mesh as triangles" : "";
 }
 
 }  // namespace godobject

@@ -13,7 +13,7 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  const char* faces;  // how messages find one
+  const char* faces;  // name of a face in messages
   std::string (*read)(std::string_view file, MeshBuilder& mesh);
 };
 constexpr std::array formats{Format{".stl", "face", read_stl}, Format{".obj", "line", read_obj},
@@ -32,7 +32,7 @@ const Format* format_of(const std::string& path) {
 std::string parse_mesh(std::string_view file, const std::string& path, double scale, MeshData& mesh) {
   mesh = {};
   const Format* const format = format_of(path);
-  if (!format) return path + ": a mesh is read from a file that ends in .stl, .obj or .ply";
+  if (!format) return path + ": the name of a mesh file must end in .stl, .obj or .ply";
   MeshBuilder builder(format->faces);
   std::string wrong = format->read(file, builder);
   if (wrong.empty()) wrong = builder.build(scale, mesh);

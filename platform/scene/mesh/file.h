@@ -1,8 +1,4 @@
 // Triangle meshes from STL, OBJ and PLY files.
-//
-// The room: stl.cc, obj.cc and ply.cc each read one format, with text_scanner.h the words of text and with builder.h what
-// becomes of vertices and faces; solid.h adds to a mesh what queries need; obstacle_file.h is for the files of obstacles:
-// triangles, heights, centres of spheres. A new format is a file here and a line in file.cc.
 #pragma once
 
 #include <string>
@@ -11,11 +7,13 @@
 
 namespace godobject {
 
-/// All triangles in the file, polygons cut into triangles; corners at the same place are one vertex.
-/// scale: m per unit of the file. Empty, or why it cannot be read and what to do. Whatever the file holds, it takes
-/// bounded memory and time that is linear in its size.
+/// Reads all triangles of the file, polygons cut into triangles and equal corners merged. Returns why it
+/// cannot be read, with the remedy; empty on success. Memory is bounded and time linear in the size of any
+/// file.
+/// scale: m per unit of the file.
 std::string read_mesh(const std::string& path, double scale, MeshData& mesh);
-/// As read_mesh for the bytes of a file; path says of which format, and is what messages call it.
+/// As read_mesh for the bytes of a file.
+/// path: selects the format, and is the name in messages.
 std::string parse_mesh(std::string_view file, const std::string& path, double scale, MeshData& mesh);
 
 }  // namespace godobject

@@ -1,5 +1,5 @@
-// OBJ: vertices and faces. Whatever else the format has says nothing of the solid and is passed over; files that it
-// names, such as materials, are not opened.
+// OBJ: vertices and faces. Other statements do not affect the solid and are skipped; referenced files, such
+// as materials, are not opened.
 #include "platform/scene/mesh/builder.h"
 #include "platform/scene/mesh/text_scanner.h"
 #include "platform/scene/text/diagnostics.h"
@@ -18,7 +18,8 @@ std::string read_vertex(std::string_view line, MeshBuilder& mesh) {
   return mesh.add_vertex(p);
 }
 
-/// "7", "7/1", "7//2" or "7/1/2": the number before the first slash counts vertices from 1, or back from the last one.
+/// Parses "7", "7/1", "7//2" or "7/1/2": the first number counts vertices from 1, or backwards from the last
+/// with -1.
 std::optional<std::int64_t> corner_of(std::string_view word, std::int64_t num_vertices) {
   const auto number = number_of<std::int64_t>(word.substr(0, word.find('/')));
   if (!number || *number == 0 || *number < -num_vertices) return std::nullopt;
@@ -29,10 +30,10 @@ std::string read_face(std::string_view line, std::size_t number, MeshBuilder& me
   std::vector<std::int64_t> corners;
   for (std::string_view word = TextScanner::first_word(line); !word.empty();
        word = TextScanner::first_word(line)) {
-    if (word.ends_with('\\')) word.remove_suffix(1);  // the line goes on
+    if (word.ends_with('\\')) word.remove_suffix(1);  // the line continues
     if (word.empty()) continue;
     const std::optional<std::int64_t> corner = corner_of(word, mesh.num_vertices());
-    if (!corner) return excerpt(word) + " is no vertex: those are numbers from 1, or from -1 backwards";
+    if (!corner) return excerpt(word) + " is not a vertex number: count from 1, or from -1 backwards";
     corners.push_back(*corner);
   }
   return mesh.add_face(corners, number);

@@ -11,9 +11,9 @@
 namespace godobject {
 namespace {
 
-constexpr std::size_t max_table_bytes = std::size_t{64} << 20;  // of heights or centres
+constexpr std::size_t max_table_bytes = std::size_t{64} << 20;  // for heights or centres
 
-/// One line of numbers, appended; how many, or nothing where one is none.
+/// Appends a line of numbers. Returns their count; none if one is invalid.
 std::optional<std::uint32_t> read_row(std::string_view line, std::vector<Real>& numbers) {
   std::uint32_t count = 0;
   while (true) {
@@ -78,7 +78,7 @@ std::string read_centres(const std::string& path, std::vector<Vec3>& centres) {
   for (std::size_t row = 0; row < read.table->num_rows(); ++row)
     centres.emplace_back(read.table->at(row, columns[0]), read.table->at(row, columns[1]),
                          read.table->at(row, columns[2]));
-  return centres.empty() ? path + ": has no rows: there is no sphere" : "";
+  return centres.empty() ? path + ": has no rows: add a row for each sphere" : "";
 }
 
 std::string load_file(const std::string& path, ObstacleConfig& obstacle) {

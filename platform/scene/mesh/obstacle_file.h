@@ -1,4 +1,4 @@
-// What a file adds to an obstacle: triangles, heights, or centres of spheres.
+// Data of an obstacle's file: triangles, heights, or centres of spheres.
 #pragma once
 
 #include <string>
@@ -7,13 +7,13 @@
 
 namespace godobject {
 
-/// Reads the file as what obstacle.shape.kind takes from one. Empty, or why not and what to do.
+/// Reads the file by obstacle.shape.kind. Returns why this failed, with the remedy; empty on success.
 std::string load_file(const std::string& path, ObstacleConfig& obstacle);
 
-/// Rows of comma-separated heights, m, without a header; the first row is at y = 0.
+/// Reads rows of comma-separated heights, m, without a header; the first row is at y = 0.
 std::string read_heights(const std::string& path, HeightGrid& grid);
 
-/// CSV with columns x, y, z, m.
+/// Reads a CSV with columns x, y, z, m.
 std::string read_centres(const std::string& path, std::vector<Vec3>& centres);
 
 }  // namespace godobject

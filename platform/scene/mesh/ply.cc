@@ -1,4 +1,4 @@
-// PLY, text and binary: a header that says what elements the file has and of which numbers they are, then those.
+// PLY, text and binary: a header that describes elements and their properties, then the numbers.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -25,7 +25,7 @@ std::optional<Type> type_named(std::string_view name) {
 struct Property {
   std::string_view name;
   Type type = Type::f32;
-  std::optional<Type> count{};  // of a list: of its length
+  std::optional<Type> count{};  // type of a list's length
 };
 
 struct Element {
@@ -34,7 +34,7 @@ struct Element {
   std::vector<Property> properties{};
 };
 
-/// The numbers after the header. Once there are no more, or one is none, wrong() says so.
+/// Reads the numbers after the header. After the last, or an invalid one, wrong() has the error.
 class Numbers {
  public:
   enum class Form : std::uint8_t { text, little_endian, big_endian };
@@ -76,7 +76,7 @@ class Numbers {
     return number.value_or(0);
   }
   double ended() {
-    if (wrong_.empty()) wrong_ = "the file ends here: is it whole?";
+    if (wrong_.empty()) wrong_ = "the file ends too early: export it again";
     return 0;
   }
 
@@ -98,11 +98,11 @@ std::string read_property(std::string_view line, std::vector<Element>& elements)
   if (type == "list") {
     const std::string_view count = TextScanner::first_word(line);
     property.count = type_named(count);
-    if (!property.count || *property.count >= Type::f32) return excerpt(count) + " is no type of a count";
+    if (!property.count || *property.count >= Type::f32) return excerpt(count) + " is not a type of a count";
     type = TextScanner::first_word(line);
   }
   const std::optional<Type> known = type_named(type);
-  if (!known) return excerpt(type) + " is no type of PLY";
+  if (!known) return excerpt(type) + " is not a type of PLY";
   property.type = *known;
   property.name = TextScanner::first_word(line);
   elements.back().properties.push_back(property);
@@ -112,7 +112,7 @@ std::string read_property(std::string_view line, std::vector<Element>& elements)
 std::string read_element(std::string_view line, std::vector<Element>& elements) {
   const std::string_view name = TextScanner::first_word(line), count = TextScanner::first_word(line);
   const std::optional<std::uint64_t> number = number_of<std::uint64_t>(count);
-  if (!number) return excerpt(count) + " is no number of elements";
+  if (!number) return excerpt(count) + " is not a number of elements";
   elements.push_back({.name = name, .number = *number});
   return "";
 }
@@ -122,12 +122,12 @@ std::string read_format(std::string_view line, Header& header) {
                                                          "binary_big_endian"};
   const std::string_view form = TextScanner::first_word(line);
   const auto* const found = std::ranges::find(forms, form);
-  if (found == forms.end()) return excerpt(form) + " is no format of PLY";
+  if (found == forms.end()) return excerpt(form) + " is not a format of PLY";
   header.form = static_cast<Numbers::Form>(found - forms.begin());
   return "";
 }
 
-/// Up to the line "end_header"; `text` is then where the numbers begin.
+/// Reads up to the line "end_header"; `text` is then at the first number.
 std::string read_header(TextScanner& text, Header& header) {
   bool has_format = false;
   while (!text.rest().empty()) {
@@ -144,11 +144,11 @@ std::string read_header(TextScanner& text, Header& header) {
     } else if (word == "property") {
       wrong = read_property(line, header.elements);
     } else if (word != "ply" && word != "comment" && word != "obj_info" && !word.empty()) {
-      wrong = excerpt(word) + " is no word of a PLY header";
+      wrong = excerpt(word) + " is not a word of a PLY header";
     }
     if (!wrong.empty()) return "line " + std::to_string(number) + ": " + wrong;
   }
-  return "the header has no line \"end_header\": is the file whole?";
+  return "the header has no line \"end_header\": export the file again";
 }
 
 const Property* property_named(const Element& element, std::string_view name) {
@@ -162,7 +162,7 @@ const Property* corners_of(const Element& face) {
   return corners && corners->count ? corners : nullptr;
 }
 
-/// Reads the elements, one after the other, and keeps corners and faces.
+/// Reads the elements one by one, and keeps corners and faces.
 class Body {
  public:
   Body(Numbers numbers, MeshBuilder& mesh) : numbers_(std::move(numbers)), mesh_(mesh) {}
@@ -199,7 +199,7 @@ class Body {
     return shortened(element.name) + " " + std::to_string(i) + ": ";
   }
 
-  /// A number goes to value_, the list of corners to corners_; other lists are passed over.
+  /// Reads a number into value_, or the list of corners into corners_; other lists are skipped.
   void read_values(const Property& property, bool keep) {
     if (!property.count) {
       value_ = numbers_.next(property.type);
@@ -212,7 +212,7 @@ class Body {
       if (keep) corners_.push_back(index_of(value));
     }
   }
-  /// What is no index is the index of no vertex.
+  /// Returns the index, or an invalid one for a value that is not an index.
   static std::int64_t index_of(double value) {
     return value >= 0 && value < 4294967296.0 && value == std::floor(value) ? static_cast<std::int64_t>(value)
                                                                             : -1;

@@ -7,10 +7,12 @@ namespace godobject {
 namespace {
 
 constexpr std::size_t max_cells = std::size_t{1} << 22;  // 16 MB
-// Cells of all triangles' boxes: some tenths of a second, and what a triangle takes as long as the grid's cells.
+// Limits of the cells in the boxes of all triangles, for some tenths of a second and the memory of the grid's
+// cells.
 constexpr double max_entries = 1 << 24, max_entries_per_triangle = 64;
 
-/// The grid's cells are about as large as the triangles: few triangles in a cell, few cells in a query.
+/// Returns the mean edge, which makes the grid's cells about as large as the triangles: few triangles per
+/// cell, few cells per query.
 double mean_edge(const MeshData& data) {
   double sum = 0;
   for (const TriangleIndices& t : data.triangles)
@@ -18,11 +20,11 @@ double mean_edge(const MeshData& data) {
   return sum / (3 * static_cast<double>(data.triangles.size()));
 }
 
-/// Cells of a grid of that spacing in a box of these edges, and those it cuts.
+/// Returns the number of grid cells of this spacing in a box with these edges, including cut ones.
 double cells_in(const Vec3& edges, double spacing) { return (edges.array() / spacing + 1).prod(); }
 
-/// The least spacing from that one on with which the grid and the time to fill it stay bounded: a few large triangles
-/// among many small ones would be in millions of cells each.
+/// Returns the smallest spacing, doubled from `spacing`, that bounds the grid and the time to fill it.
+/// Otherwise a few large triangles among many small ones would lie in millions of cells each.
 double bounded_spacing(const MeshData& data, double spacing) {
   Vec3 low = data.vertices.front(), high = low;
   for (const Vec3& p : data.vertices) {
@@ -59,9 +61,10 @@ std::string complaint(const MeshReport& report, const MeshData& data) {
       return "the surface is not closed, or triangles at an edge run in different directions" +
              place(data, report.number) + ": close its holes with a mesh editor";
     case MeshInvalid::folded:
-      return "two triangles lie on each other" + place(data, report.number) +
+      return "two triangles coincide" + place(data, report.number) +
              ": remove one of them with a mesh editor";
-    case MeshInvalid::inside_out: return "its inside is outside: turn its triangles round";
+    case MeshInvalid::inside_out:
+      return "its triangles face inwards: reverse their corners with a mesh editor";
     default: return "its grid does not fit (rule " + std::to_string(static_cast<int>(report.invalid)) + ")";
   }
 }
@@ -85,7 +88,7 @@ MeshStorage MeshSolid::storage() {
           .cell_triangles = cell_triangles_};
 }
 
-/// The core says how much storage it misses.
+/// Grows the storage by the amounts that the core reports as missing.
 MeshReport MeshSolid::set_up(double grid_spacing) {
   while (true) {
     const MeshReport report = set_up_mesh(data_.vertices, data_.triangles, grid_spacing, storage(), mesh_);
@@ -104,7 +107,7 @@ MeshReport MeshSolid::set_up(double grid_spacing) {
 std::unique_ptr<MeshSolid> MeshSolid::make(const MeshData& data, std::string& why_not) {
   std::unique_ptr<MeshSolid> solid(new MeshSolid(data));
   const double spacing = mean_edge(data);
-  const bool is_usable = std::isfinite(spacing) && spacing > 0;  // else the core says what is wrong
+  const bool is_usable = std::isfinite(spacing) && spacing > 0;  // otherwise the core reports the error
   const MeshReport report = solid->set_up(is_usable ? bounded_spacing(data, spacing) : spacing);
   if (report.invalid == MeshInvalid::nothing) return solid;
   why_not = complaint(report, data);

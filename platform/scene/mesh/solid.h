@@ -1,4 +1,4 @@
-// A mesh with all that queries need, in storage of its own.
+// A mesh with the data required by queries, in storage of its own.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,11 @@ namespace godobject {
 
 class MeshSolid {
  public:
-  /// Null, and why the triangles are no solid, or too many, in `why_not`.
+  /// Returns null, and sets `why_not`, if the triangles are not a solid or too many.
   static std::unique_ptr<MeshSolid> make(const MeshData& data, std::string& why_not);
 
   const MeshData& data() const { return data_; }
-  /// Lives as long as this.
+  /// Valid during the life of this object.
   const TriangleMesh& mesh() const { return mesh_; }
 
  private:

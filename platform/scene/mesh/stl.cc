@@ -1,4 +1,4 @@
-// STL, text and binary: triangles, each with its three corners.
+// STL, text and binary: triangles with three corners each.
 #include <bit>
 #include <cstring>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t header_bytes = 84, triangle_bytes = 50, normal_bytes = 12;
 
-/// Little endian, as the processors that this runs on.
+/// Reads a little-endian value, as on the supported processors.
 template <class T>
 T value_at(std::string_view file, std::size_t at) {
   static_assert(std::endian::native == std::endian::little);
@@ -62,7 +62,7 @@ class TextReader {
       wrong = item(word);
       if (!wrong.empty()) return "line " + std::to_string(text_.line()) + ": " + wrong;
     }
-    return corners_ == 0 ? "" : "ends within a facet: is it whole?";
+    return corners_ == 0 ? "" : "ends within a facet: export it again";
   }
 
  private:
@@ -70,7 +70,7 @@ class TextReader {
     if (is(word, "solid") || is(word, "endsolid")) {
       name_ = text_.rest_of_line();
     } else if (is(word, "normal")) {
-      for (int i = 0; i < 3; ++i) text_.word();  // the corners say it as well
+      for (int i = 0; i < 3; ++i) text_.word();  // skip the normal, which follows from the corners
     } else if (is(word, "vertex")) {
       return vertex();
     } else if (is(word, "endfacet")) {
@@ -78,7 +78,7 @@ class TextReader {
       corners_ = 0;
       return add_triangle(mesh_, text_.line());
     } else if (!is(word, "facet") && !is(word, "outer") && !is(word, "loop") && !is(word, "endloop")) {
-      return excerpt(word) + " is no word of an STL file";
+      return excerpt(word) + " is not a word of an STL file";
     }
     return "";
   }
@@ -87,7 +87,7 @@ class TextReader {
     std::array<double, 3> p{};
     for (double& x : p) {
       const std::string_view word = text_.word();
-      if (word.empty()) return "ends within a facet: is it whole?";
+      if (word.empty()) return "ends within a facet: export it again";
       const std::optional<double> read = number_of<double>(word);
       if (!read) return excerpt(word) + " is not a number";
       x = *read;
@@ -108,7 +108,7 @@ std::string read_stl(std::string_view file, MeshBuilder& mesh) {
   const bool has_header = file.size() >= header_bytes;
   if (has_header && file.size() == bytes_of_triangles(file)) return read_binary(file, mesh);
   if (is(file.substr(0, 5), "solid")) return TextReader(file, mesh).read();
-  return "neither begins with \"solid\" nor has the size of a binary STL file: is it whole?";
+  return "neither begins with \"solid\" nor has the size of a binary STL file: export it again";
 }
 
 }  // namespace godobject

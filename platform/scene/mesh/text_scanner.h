@@ -1,4 +1,4 @@
-// Words of a text, one after the other, with the line they stand in. For files that anybody may have written.
+// Reads the words of a text one by one, with their lines. Safe for untrusted files.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ class TextScanner {
  public:
   explicit TextScanner(std::string_view text) : rest_(text) {}
 
-  /// The next word, on this line or a later one; empty at the end of the text.
+  /// Returns the next word, on this line or a later one; empty at the end of the text.
   std::string_view word() {
     while (!rest_.empty() && is_space(rest_.front())) {
       line_ += rest_.front() == '\n';
@@ -22,7 +22,7 @@ class TextScanner {
     }
     return take(rest_, word_length(rest_));
   }
-  /// What is left of this line, without its end.
+  /// Returns the rest of this line without its end.
   std::string_view rest_of_line() {
     const std::string_view line = take(rest_, std::min(rest_.find('\n'), rest_.size()));
     if (rest_.empty()) return line;
@@ -30,7 +30,7 @@ class TextScanner {
     ++line_;
     return line;
   }
-  /// The same where a backslash at its end joins the next line to it.
+  /// As rest_of_line(), joined with the next line after a backslash at its end.
   std::string_view rest_of_joined_line() {
     std::string_view line = rest_of_line();
     while (!rest_.empty() && (line.ends_with('\\') || line.ends_with("\\\r"))) {
@@ -41,10 +41,10 @@ class TextScanner {
     return line;
   }
   std::string_view rest() const { return rest_; }
-  /// Counted from 1; of the word that was read last.
+  /// Returns the line of the latest word, counted from 1.
   std::size_t line() const { return line_; }
 
-  /// The first word of a line, taken off it.
+  /// Returns the first word of a line, and removes it from the line.
   static std::string_view first_word(std::string_view& line) {
     line.remove_prefix(static_cast<std::size_t>(std::ranges::find_if_not(line, is_space) - line.begin()));
     return take(line, word_length(line));
@@ -65,7 +65,7 @@ class TextScanner {
   std::size_t line_ = 1;
 };
 
-/// The whole word as a number.
+/// Parses the whole word as a number.
 template <class T>
 std::optional<T> number_of(std::string_view word) {
   if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);

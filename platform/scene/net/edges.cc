@@ -18,7 +18,7 @@ std::string at(const Vec3& p) {
   return "(" + shortest(p.x()) + ", " + shortest(p.y()) + ", " + shortest(p.z()) + ")";
 }
 
-/// The smallest angle that a triangle may have is about this, rad.
+/// Approximate lower bound of a triangle's angles, rad.
 constexpr double least_slimness = 1e-3;
 
 std::string why_no_triangle(const MeshData& surface) {
@@ -29,7 +29,7 @@ std::string why_no_triangle(const MeshData& surface) {
       longest = std::max(longest, (surface.vertices[t[k]] - surface.vertices[t[(k + 1) % 3]]).norm());
     if (!(area(surface, t) > least_slimness / 2 * longest * longest))
       return "triangle " + std::to_string(n + 1) + " at " + at(surface.vertices[t[0]]) +
-             " has next to no area: remesh the surface with edges of equal length";
+             " has almost no area: remesh the surface with edges of equal length";
   }
   return "";
 }
@@ -39,16 +39,16 @@ std::string why_no_edge(const MeshData& surface) {
     if (e.num_triangles > 2)
       return std::to_string(e.num_triangles) + " triangles meet at the edge from " +
              at(surface.vertices[e.i]) + " to " + at(surface.vertices[e.j]) +
-             ": a net is a surface, of at most two triangles at an edge; cut it there";
+             ", but a net has at most two triangles at an edge; cut the surface there";
     if (e.num_triangles == 2 && e.opposite[0] == e.opposite[1])
       return "two triangles at " + at(surface.vertices[e.i]) + " have the same corners: remove one of them";
   }
   return "";
 }
 
-/// Corners that nearly meet are seams that would come apart.
+/// Rejects vertices that nearly coincide, since such seams would separate.
 std::string why_no_vertex(const MeshData& surface) {
-  constexpr double near = 0.01;  // of the mean edge
+  constexpr double near = 0.01;  // relative to the mean edge
   const double least = near * mean_edge_of(surface);
   const std::vector<Vec3>& p = surface.vertices;
   std::vector<std::size_t> order(p.size());

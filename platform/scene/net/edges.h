@@ -1,4 +1,4 @@
-// Edges of a net's surface, what they say of it, and why a surface is none for a net.
+// Mesh edges of a net's surface: lengths, areas, and validity checks.
 #pragma once
 
 #include <array>
@@ -9,26 +9,26 @@
 
 namespace godobject {
 
-/// An edge, i < j, and the one or two triangles on it.
+/// An edge, i < j, and its one or two triangles.
 struct SurfaceEdge {
   std::uint32_t i = 0, j = 0;
   double length = 0;                        // m
-  double area = 0;                          // of its triangles, m^2
-  int num_triangles = 0;                    // 1: it is on the rim
-  std::array<std::uint32_t, 2> opposite{};  // the third corner of each
+  double area = 0;                          // m^2, of its triangles
+  int num_triangles = 0;                    // 1: on the rim
+  std::array<std::uint32_t, 2> opposite{};  // third corner of each triangle
 };
 
-/// In the order of i, then j.
+/// Returns the edges in the order of i, then j.
 std::vector<SurfaceEdge> edges_of(const MeshData& surface);
 
 double area_of(const MeshData& surface);       // m^2
 double mean_edge_of(const MeshData& surface);  // m
-/// The area of each vertex, a third of its triangles', m^2.
+/// Returns the area of each vertex, a third of its triangles', m^2.
 std::vector<double> vertex_areas(const MeshData& surface);
-/// For each vertex whether it is on the edge of the surface.
+/// Returns for each vertex true if it is on the edge of the surface.
 std::vector<bool> rim_of(const MeshData& surface);
 
-/// Empty, or what keeps the surface from being a net's, and what to do.
+/// Returns why the surface is not valid for a net, with the remedy; empty if it is.
 std::string why_no_net(const MeshData& surface);
 
 }  // namespace godobject

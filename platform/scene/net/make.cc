@@ -10,7 +10,7 @@
 namespace godobject {
 namespace {
 
-/// Three digits, rounded up.
+/// Rounds up to three digits.
 double rounded_up(double x) {
   const double digit = std::pow(10, std::floor(std::log10(x)) - 2);
   if (!(digit > 0)) return x;
@@ -19,10 +19,10 @@ double rounded_up(double x) {
 
 std::string too_many(double vertices, std::size_t room, const NetConfig& net) {
   std::string text = "has " + (vertices < 1e6 ? std::to_string(std::lround(vertices)) : "over a million") +
-                     " nodes, and there is room for " + std::to_string(room) + " of " +
+                     " nodes, above the capacity of " + std::to_string(room) + " of " +
                      std::to_string(max_net_nodes) + ": ";
   if (net.kind == NetKind::mesh) return text + "simplify the mesh with a mesh editor";
-  constexpr double rounding = 1.05;  // of the numbers of rows, and of vertices in each
+  constexpr double rounding = 1.05;  // tolerance for the numbers of rows, and of vertices in each
   if (room < 16) return text + "make the other nets coarser";
   return text + "a spacing of " +
          shortest(rounded_up(rounding * *net.spacing * std::sqrt(vertices / static_cast<double>(room)))) +
@@ -36,7 +36,7 @@ std::string make_surface(const std::string& path, std::size_t room, NetConfig& n
     if (std::string why_not = read_mesh(path, net.scale.value_or(1), net.surface); !why_not.empty())
       return why_not;
   } else {
-    constexpr double safe = 2;  // expected_vertices() is no worse than that
+    constexpr double safe = 2;  // error bound of expected_vertices()
     if (const double n = expected_vertices(net); !(n <= safe * static_cast<double>(max_net_nodes)))
       return too_many(n, room, net);
     net.surface = generated_surface(net);

@@ -1,4 +1,4 @@
-// The surface of a net as its scene file describes it.
+// Surface of a net from its description in a scene file.
 #pragma once
 
 #include <string>
@@ -7,7 +7,9 @@
 
 namespace godobject {
 
-/// Fills in net.surface; path: of the mesh. room: vertices that it may have. Empty, or what is wrong and what to do.
+/// Fills net.surface. Returns an error with its remedy; empty on success.
+/// path: path of the mesh.
+/// room: largest number of vertices.
 std::string make_surface(const std::string& path, std::size_t room, NetConfig& net);
 
 }  // namespace godobject

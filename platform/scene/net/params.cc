@@ -13,7 +13,7 @@ namespace {
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Each spring's stiffness by its ends: along the edges, then across the inner ones.
+/// Returns the stiffness of each spring by its ends: along the edges, then across the inner ones.
 std::map<Ends, double> stiffnesses(const NetConfig& net) {
   const double in_plane = structural_share(net.bending) * net.membrane_stiffness;
   const std::vector<SurfaceEdge> edges = edges_of(net.surface);
@@ -26,7 +26,7 @@ std::map<Ends, double> stiffnesses(const NetConfig& net) {
   return k;
 }
 
-/// Held, or attached: by a ball in the net's frame.
+/// True if a point is in a ball of held or attached nodes, in the net's frame.
 template <class Ball>
 bool is_within(const Ball& ball, const Vec3& p_F) {
   return (p_F - ball.p_F).norm() <= ball.radius;
@@ -35,7 +35,7 @@ bool is_held(const NetConfig& net, const Vec3& p_F) {
   return std::ranges::any_of(net.held, [&](const HeldConfig& ball) { return is_within(ball, p_F); });
 }
 
-/// Fills in one net after the other.
+/// Builds the nets one by one.
 class NetBuilder {
  public:
   explicit NetBuilder(const SceneConfig& scene) : scene_(scene) {
@@ -91,7 +91,7 @@ class NetBuilder {
     }
   }
 
-  /// Each to the point of the body where its vertex is at the start.
+  /// Attaches each node to the point of the body at the node's place at the start.
   void add_attachments(const NetConfig& net, std::uint32_t first) {
     const auto at_start = [&](const std::optional<std::size_t>& body) {
       return body ? scene_.bodies[*body].X_WB : Pose{};

@@ -1,12 +1,10 @@
-// A scene's nets in the core's terms (decision 049): nodes and springs; and the surfaces that show them. Nodes start on
-// their anchors. A_i: a third of the area of the vertex' triangles; A_1, A_2: of the triangles at the edge.
+// Conversion of a scene's nets into nodes and springs of the core (decision 049), with the surfaces for
+// display. Nodes start on their anchors. A_i: a third of the area of a vertex's triangles; A_1, A_2: areas of
+// the triangles at an edge.
 //
-//   m_i = sigma A_i,  k_ij = E t (A_1 + A_2) / l_ij^2 (sqrt(3)/2 E t where all are equilateral),  g_ij = tau k_ij
+//   m_i = sigma A_i,  k_ij = E t (A_1 + A_2) / l_ij^2,  g_ij = tau k_ij  (equilateral: k_ij = sqrt(3)/2 E t)
 //   k_i = kappa A_i,  g_i = 8 sigma A_i / T  of anchors; T: settling time
 //   k, tau k  of attachments
-//
-// The room: surface.h makes surfaces of even edges, make.h that of a scene file, edges.h says what its edges and areas are;
-// physics.h what a net's physical numbers imply; report.h tells of a net in `check`.
 #pragma once
 
 #include <algorithm>
@@ -18,28 +16,28 @@
 
 namespace godobject {
 
-/// A net among all nodes: those of the scene's nets are in one list.
+/// A net as a range of the nodes of all nets.
 struct NetRange {
   std::string name;
-  std::size_t carrier = world;  // body, or world
+  std::size_t carrier = world;  // index of the body, or world
   std::size_t first_node = 0, num_nodes = 0;
-  std::vector<TriangleIndices> triangles;  // by numbers of nodes among all
+  std::vector<TriangleIndices> triangles;  // by numbers of nodes among all nets
 };
 
-/// Nets in the order of their carriers, those of the world last; springs in the order of i, then j; attachments in that of the
-/// nets.
+/// Nets in the order of their carriers, those of the world last; springs in the order of i, then j;
+/// attachments in the order of the nets.
 struct SceneNets {
   std::vector<NetNode> nodes;
   std::vector<NetSpring> springs;
   std::vector<NetAttachment> attachments;
   std::vector<NetRange> nets;
-  int max_iterations = 0;  // in a stage, for all of them
+  int max_iterations = 0;  // largest number in a stage, for all nets
 };
 
-/// The nets of a scene that was read without errors.
+/// Converts the nets of a scene that was read without errors.
 SceneNets scene_nets(const SceneConfig& scene);
 
-/// For a composition with room for them.
+/// Sets the parameters of a composition that has room for the nets.
 template <class Params>
 void set_net_params(const SceneNets& nets, Params& par) noexcept {
   par.num_nodes = nets.nodes.size();
@@ -54,10 +52,10 @@ void set_net_params(const SceneNets& nets, Params& par) noexcept {
   put_in_order(par);
 }
 
-/// How many springs a net with this surface and these settings has.
+/// Returns the number of springs of a net with this surface and these settings.
 std::size_t num_springs(const NetConfig& net);
 
-/// How many vertices are attached; by one ball, by all of them.
+/// Returns the number of attached nodes, by one ball or by all of them.
 std::size_t num_within(const NetConfig& net, const AttachedConfig& ball);
 std::size_t num_attachments(const NetConfig& net);
 

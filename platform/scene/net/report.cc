@@ -7,7 +7,8 @@
 namespace godobject {
 namespace {
 
-/// On its anchor and attachments alone; infinite without a spring or a damper.
+/// Returns the time constant of a node on its anchor and attachments alone, s; infinite without a spring or a
+/// damper.
 double slow_time(const NetNode& node) {
   if (!(node.k > 0) || !(node.g > 0)) return std::numeric_limits<double>::infinity();
   const double d = node.g / node.m / 2, omega_sq = node.k / node.m;  // x'' + 2 d x' + omega^2 x = 0

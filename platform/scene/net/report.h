@@ -1,4 +1,4 @@
-// What a net asks of a step, and how quick and slow it is: for `check`.
+// Cost of a net per step, and its time constants, for `check`.
 #pragma once
 
 #include <optional>
@@ -7,19 +7,20 @@
 
 namespace godobject {
 
-/// Time constants of small motions of nets about their rest, their carriers and what they are attached to held, s. Both are
-/// bounds. k_i and g_i are those of a node's anchor and attachments together.
+/// Bounds of the time constants of small motions of nets about their rest, s, with carriers and attached
+/// bodies held. k_i and g_i are those of a node's anchor and attachments together.
 ///
 /// Fastest: 1 / omega, omega^2 <= max_i (2 sum_j k_ij + k_i) / m_i by Gershgorin's theorem on M^-1 K.
 ///
-/// Slowest: an eigenvector of M x'' + G x' + K x = 0 has the polynomial p(s) = m s^2 - g s + k of its decay s, whose numbers are
-/// sums over nodes on their anchors, p_i(s) = m_i s^2 - g_i s + k_i, and over springs, k_s - g_s s, each times a square. Where it
-/// swings, s = g / 2m >= min_i g_i / 2 m_i. Where it creeps, p(s) = 0; but below the slower roots of all p_i that have any and
-/// below k_s / g_s of all springs no summand is negative, and some p_i(s) > 0. So
+/// Slowest: an eigenvector of M x'' + G x' + K x = 0 has the polynomial p(s) = m s^2 - g s + k of its decay
+/// rate s. p is a sum of terms, each times a square: p_i(s) = m_i s^2 - g_i s + k_i of each node on its
+/// anchor, and k_s - g_s s of each spring. An oscillating mode has s = g / 2m >= min_i g_i / 2 m_i. A
+/// creeping mode has p(s) = 0. Below the slower real roots of all p_i and below k_s / g_s of all springs no
+/// term is negative, and some p_i(s) > 0. So
 ///
-///   1 / s <= max(of the node that is slowest on its anchor alone, of the spring with the longest g_s / k_s)
+///   1 / s <= max(time constant of the slowest node on its anchor alone, largest g_s / k_s of all springs)
 ///
-/// None where an anchor has no spring or no damper: how slowly such a node is taken along depends on all of the net.
+/// None if an anchor has no spring or no damper, because the motion of such a node depends on the whole net.
 struct NetTimes {
   double fastest = 0;
   std::optional<double> slowest;
@@ -27,8 +28,8 @@ struct NetTimes {
 
 NetTimes time_constants(const SceneNets& nets);
 
-/// Floating-point operations of an iteration of conjugate gradients: of a spring 24 in the product and 18 each way through
-/// the incomplete factor; of a node 75, with what the iteration does to vectors.
+/// Returns the floating-point operations of an iteration of conjugate gradients. A spring takes 24 in the
+/// product and 18 in each pass through the incomplete factor; a node takes 75, vector operations included.
 inline double flops_of_an_iteration(const SceneNets& nets) {
   return 60.0 * static_cast<double>(nets.springs.size()) + 75.0 * static_cast<double>(nets.nodes.size());
 }

@@ -9,16 +9,17 @@
 namespace godobject {
 namespace {
 
-const double row_height = std::sqrt(3.0) / 2;  // of an equilateral triangle of side 1
+const double row_height = std::sqrt(3.0) / 2;  // height of an equilateral triangle of side 1
 
-/// Whole steps of about `step` in `length`, at least `least`.
+/// Returns the number of steps of about `step` in `length`, at least `least`.
 int steps_in(double length, double step, int least) {
   return std::max(least, static_cast<int>(std::lround(length / step)));
 }
 
 std::uint32_t number(const MeshData& surface) { return static_cast<std::uint32_t>(surface.vertices.size()); }
 
-/// Vertices on a circle about z. turn: of the first one, in steps.
+/// Vertices on a circle about z.
+/// turn: angle of the first one, in steps.
 struct Ring {
   std::uint32_t first = 0;
   int count = 1;  // 1: a pole
@@ -35,8 +36,8 @@ Ring add_ring(MeshData& to, double r, double z, int count, double turn) {
   return ring;
 }
 
-/// Triangles between two rings, `above` after `below` along z, outside to the right: each step goes on along the ring
-/// whose next vertex makes the shorter edge across.
+/// Adds triangles between two rings, `above` after `below` along z, outside to the right. Each step advances
+/// on the ring whose next vertex makes the shorter edge across.
 void add_strip(MeshData& to, const Ring& below, const Ring& above) {
   if (below.count == 1) {
     for (int j = 0; j < above.count; ++j)
@@ -48,7 +49,7 @@ void add_strip(MeshData& to, const Ring& below, const Ring& above) {
       to.triangles.push_back({below.vertex(i), below.vertex(i + 1), above.first});
     return;
   }
-  // The first edge across leads from the first vertex below to the nearest one above.
+  // The first edge across connects the first vertex below and the nearest one above.
   int start = 0;
   for (int j = -above.count; j < above.count; ++j)
     if (std::abs(above.angle(j) - below.angle(0)) < std::abs(above.angle(start) - below.angle(0))) start = j;
@@ -69,7 +70,8 @@ void add_strip(MeshData& to, const Ring& below, const Ring& above) {
   }
 }
 
-/// A surface of revolution about z. s: length of arc along its profile from the lower end.
+/// Makes a surface of revolution about z.
+/// s: arc length along its profile from the lower end, m.
 template <class Profile>
 MeshData revolved(const Profile& profile, double arc, double spacing, bool closed) {
   MeshData surface;
@@ -91,7 +93,7 @@ MeshData tube(double radius, double half_length, double spacing) {
                   spacing, false);
 }
 
-/// A sphere where half_length is zero.
+/// Makes a capsule; a sphere if half_length is zero.
 MeshData capsule(double radius, double half_length, double spacing) {
   const double cap = pi / 2 * radius;
   const auto profile = [&](double s) -> Eigen::Vector2d {
@@ -102,8 +104,8 @@ MeshData capsule(double radius, double half_length, double spacing) {
   return revolved(profile, 2 * cap + 2 * half_length, spacing, true);
 }
 
-/// Rows along x, every other one shifted by half a step: its edges across zigzag by a quarter step about those of the
-/// rectangle, so that all edges have one length and the area is the rectangle's.
+/// Makes rows along x, every other one shifted by half a step. The side edges zigzag by a quarter step about
+/// those of the rectangle. So all edges have one length, and the area is that of the rectangle.
 MeshData sheet(double length, double width, double spacing) {
   MeshData surface;
   const int steps = steps_in(length, spacing, 1), rows = steps_in(width, row_height * spacing, 1);
@@ -123,7 +125,7 @@ MeshData sheet(double length, double width, double spacing) {
   return surface;
 }
 
-/// 0 to 2; z where the surface is not clearly longer along another one.
+/// Returns 0 to 2; z unless the surface is clearly longer along another axis.
 Eigen::Index longest_axis(const MeshData& surface) {
   Vec3 low = surface.vertices.front(), high = low;
   for (const Vec3& p : surface.vertices) {

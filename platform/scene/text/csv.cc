@@ -33,11 +33,11 @@ CsvTable CsvTable::selected(std::span<const CsvColumn> columns) const {
   return table;
 }
 
-/// One pass over the text, line by line.
+/// Parses the text in one pass, line by line.
 class CsvParser {
  public:
-  CsvParser(const std::string& file, std::string_view word_column, const CsvWanted& wanted)
-      : log_(file), word_column_(word_column), wanted_(wanted) {}
+  CsvParser(const std::string& file, std::string_view word_column, const CsvWanted& keeps)
+      : log_(file), word_column_(word_column), keeps_(keeps) {}
 
   CsvResult parse(std::string_view text) {
     if (text.starts_with(utf8_byte_order_mark)) text.remove_prefix(utf8_byte_order_mark.size());
@@ -47,7 +47,7 @@ class CsvParser {
       parse_line(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
-    if (table_.columns_.empty()) error(1, "there is no header line");
+    if (table_.columns_.empty()) error(1, "the header line is missing");
     if (!log_.ok()) return {std::nullopt, log_.errors()};
     return {std::move(table_), {}};
   }
@@ -62,7 +62,7 @@ class CsvParser {
     }
     std::size_t num_cells = 0;
     for_each_cell(line, [&](std::string_view cell, std::uint32_t column) {
-      if (num_cells++ >= is_kept_.size()) return;  // counted, and refused below
+      if (num_cells++ >= is_kept_.size()) return;  // counted, and rejected below
       if (!is_kept_[num_cells - 1]) return;
       const bool is_word = table_.columns_[table_.values_.size() % table_.columns_.size()] == word_column_;
       is_word ? add_word(cell, column) : add_value(cell, column);
@@ -88,13 +88,13 @@ class CsvParser {
   }
 
   void add_column(std::string_view name, std::uint32_t column) {
-    is_kept_.push_back(!wanted_ || wanted_(name));
+    is_kept_.push_back(!keeps_ || keeps_(name));
     if (!is_kept_.back()) return;
     if (table_.columns_.size() == max_columns)
       error(column, "more than " + std::to_string(max_columns) + " columns");
     if (table_.columns_.size() >= max_columns) return;
     if (name.empty()) error(column, "a column has no name");
-    if (table_.find(name)) error(column, "column " + excerpt(name) + " is there twice");
+    if (table_.find(name)) error(column, "column " + excerpt(name) + " occurs twice: remove one");
     table_.columns_.emplace_back(name);
   }
 
@@ -121,16 +121,16 @@ class CsvParser {
 
   Diagnostics log_;
   std::string_view word_column_;
-  const CsvWanted& wanted_;
-  std::vector<bool> is_kept_;  // of each column of the file
+  const CsvWanted& keeps_;
+  std::vector<bool> is_kept_;  // for each column of the file
   CsvTable table_;
   std::uint32_t line_ = 0;
   std::size_t num_errors_ = 0;
 };
 
 CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column,
-                    const CsvWanted& wanted) {
-  return CsvParser(file, word_column, wanted).parse(text);
+                    const CsvWanted& keeps) {
+  return CsvParser(file, word_column, keeps).parse(text);
 }
 
 CsvResult read_csv(const std::string& path, std::string_view word_column, std::size_t max_bytes) {

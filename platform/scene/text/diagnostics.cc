@@ -16,7 +16,7 @@ constexpr std::size_t max_excerpt = 40;
 constexpr std::size_t max_message = 1000;
 constexpr std::size_t read_at_a_time = std::size_t{1} << 20;
 
-/// Length of the UTF-8 character at the text's front that has a picture; 0 where there is none.
+/// Returns the length of the printable UTF-8 character at the start of the text; 0 if there is none.
 std::size_t printable_length(std::string_view text) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : static_cast<unsigned char>(0);
@@ -34,21 +34,22 @@ std::size_t printable_length(std::string_view text) {
 
 std::string megabytes(std::size_t bytes) { return std::to_string(bytes >> 20) + " MB"; }
 
-/// A pipe is read as far as it may go; what else is no file of text is left alone.
+/// Returns why a file is not opened: it is neither a file nor a pipe, or too large. The size of a pipe is
+/// unknown here.
 std::string why_not_opened(const std::string& path, std::size_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   switch (status.type()) {
     case fs::file_type::regular: break;
     case fs::file_type::fifo: return "";
-    case fs::file_type::directory: return "cannot be read: it is a directory";
+    case fs::file_type::directory: return "cannot be read, because it is a directory";
     case fs::file_type::not_found:
-    case fs::file_type::none: return "cannot be read: is the path right?";
-    default: return "cannot be read: it is neither a file nor a pipe";
+    case fs::file_type::none: return "cannot be read: check the path";
+    default: return "cannot be read, because it is neither a file nor a pipe";
   }
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return "cannot be read: " + error.message();
-  return size > max_bytes ? "is larger than " + megabytes(max_bytes) + ", the most that is read" : "";
+  return size > max_bytes ? "is larger than " + megabytes(max_bytes) + ", the limit of this program" : "";
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ FileText read_file(const std::string& path, std::size_t max_bytes) {
   const std::string why_not = why_not_opened(path, max_bytes);
   if (!why_not.empty()) return failed(why_not);
   std::ifstream file(path, std::ios::binary);
-  if (!file) return failed("cannot be read: is the path right?");
+  if (!file) return failed("cannot be read: check the path");
   std::string text;
   while (file && text.size() <= max_bytes) {
     const std::size_t end = text.size();
@@ -92,14 +93,14 @@ FileText read_file(const std::string& path, std::size_t max_bytes) {
   }
   if (file.bad()) return failed("cannot be read to its end");
   if (text.size() > max_bytes)
-    return failed("is larger than " + megabytes(max_bytes) + ", the most that is read");
+    return failed("is larger than " + megabytes(max_bytes) + ", the limit of this program");
   return {std::move(text), ""};
 }
 
 std::optional<std::string> read_text(const std::string& path) { return read_file(path, max_toml_bytes).text; }
 
 FilePath path_below(const std::string& folder, const std::string& name) {
-  constexpr const char* where = ": files that a scene names are in its folder or in folders of that";
+  constexpr const char* where = ": put files of a scene into its folder or a folder below";
   const auto failed = [](const std::string& why_not) { return FilePath{"", why_not}; };
   const fs::path relative = fs::path(name).lexically_normal();
   if (relative.is_absolute()) return failed("is an absolute path" + std::string(where));
@@ -109,11 +110,11 @@ FilePath path_below(const std::string& folder, const std::string& name) {
   const fs::path base = fs::canonical(folder.empty() ? "." : folder, error);
   const fs::path path = error ? fs::path() : fs::canonical(base / relative, error);
   if (error)
-    return failed("cannot be read: is " + shortened(name) +
-                  " the right path? Paths are relative to the scene file");
+    return failed("cannot be read: check the path " + shortened(name) +
+                  ", which is relative to the scene file");
   if (std::ranges::mismatch(base, path).in1 != base.end())
     return failed("is a link that leads out of the scene's folder" + std::string(where));
-  if (!fs::is_regular_file(path, error)) return failed("cannot be read: it is not a file");
+  if (!fs::is_regular_file(path, error)) return failed("cannot be read, because it is not a file");
   return {path.string(), ""};
 }
 

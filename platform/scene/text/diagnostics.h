@@ -1,5 +1,4 @@
-// Text files that somebody else may have written: how they are read, and errors and warnings about them, each with
-// its place.
+// Reading of untrusted text files, and errors and warnings with their places.
 #pragma once
 
 #include <cstdint>
@@ -10,50 +9,50 @@
 
 namespace godobject {
 
-/// Counted from 1.
+/// Place in a text, counted from 1.
 struct TextPosition {
   std::uint32_t line = 1;
   std::uint32_t column = 1;
 };
 
-/// "file:line:column: what"
+/// Returns "file:line:column: text".
 inline std::string format_diagnostic(const std::string& file, TextPosition at, const std::string& what) {
   return file + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": " + what;
 }
 
-/// At the end of `to`.
+/// Appends `from` to `to`.
 inline void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// With \xNN for every byte that is no UTF-8 or has no picture, so that no file writes to a terminal.
+/// Escapes every byte that is not printable UTF-8 as \xNN, so that no file can control a terminal.
 std::string printable(std::string_view text);
-/// printable(), and not more than some 40 bytes of it: keys and words of a file may be megabytes long.
+/// Returns printable() of at most 40 bytes or so, since keys and words of a file may be megabytes long.
 std::string shortened(std::string_view text);
-/// The same in quotes.
+/// Returns shortened() in quotes.
 std::string excerpt(std::string_view text);
 
-/// Most that is read of a file. Scenes, profiles and faults are written by hand; an hour of motion is some 250 MB.
+/// Largest files to read. Scenes, profiles and faults are written by hand; an hour of motion is some 250 MB.
 inline constexpr std::size_t max_toml_bytes = std::size_t{16} << 20;
 inline constexpr std::size_t max_csv_bytes = std::size_t{512} << 20;
 
 struct FileText {
   std::optional<std::string> text;
-  std::string why_not;  // completes a sentence about the path where there is no text
+  std::string why_not;  // completes a sentence about the path if there is no text
 };
 
-/// The whole of a regular file, or all that comes through a pipe.
+/// Reads the whole of a regular file, or all bytes of a pipe.
 FileText read_file(const std::string& path, std::size_t max_bytes);
-/// A file of a few pages; nothing where it cannot be read.
+/// Reads a file of a few pages; none if it cannot be read.
 std::optional<std::string> read_text(const std::string& path);
 
 struct FilePath {
-  std::string path;     // absolute, without links
-  std::string why_not;  // completes a sentence about the name where there is no path
+  std::string path;     // absolute, links resolved
+  std::string why_not;  // completes a sentence about the name if there is no path
 };
 
-/// Where the file is that a scene in `folder` names. A scene may come from anybody, and has no business with the
-/// files of who runs it: only regular files below its folder are found, links included.
+/// Resolves the name of a file in a scene in `folder`. Only regular files below this folder are accepted,
+/// links resolved, because a scene may be untrusted and must not read other files of the user.
 FilePath path_below(const std::string& folder, const std::string& name);
 
 class Diagnostics {
@@ -67,9 +66,9 @@ class Diagnostics {
 
   const std::string& file() const { return file_; }
   bool ok() const { return errors_.kept.empty(); }
-  /// No more of them are kept.
+  /// True if no more errors are kept.
   bool full() const { return errors_.kept.size() >= max_entries; }
-  /// Formatted, in the order of the file.
+  /// Return the entries formatted, in the order of the file.
   std::vector<std::string> errors() const { return format(errors_); }
   std::vector<std::string> warnings() const { return format(warnings_); }
 

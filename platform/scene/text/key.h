@@ -1,9 +1,5 @@
-// What a scene file's key is: name, unit, admissible range and meaning. Reader, writer and reference
-// of the format are three visitors of the one list of keys in platform/scene/keys/scene.h.
-//
-// The room: visit.h is what visitors of the keys offer; toml_reader.h, toml_writer.h and key_reference.h are these three.
-// toml_parser.cc is the parser of toml++; csv.h reads tables of numbers; diagnostics.h collects errors and warnings with
-// their places.
+// A key of a scene file: name, unit, admissible range and meaning. Reader, writer and reference of the format
+// are three visitors of the keys in platform/scene/keys/scene.h.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +11,7 @@
 
 namespace godobject {
 
-/// Admissible numbers; both ends belong to it unless min_open.
+/// Admissible numbers; both ends are included, except min if min_open.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -35,17 +31,18 @@ struct Key {
   std::string_view meaning;
   Range range = any_number;
   bool required = false;
-  std::string_view otherwise = {};  // in words, where the default depends on other keys
+  std::string_view otherwise = {};  // text of the default if it depends on other keys
 };
 
 struct TableKey {
   std::string_view name;
   std::string_view meaning;
   bool required = false;
-  std::size_t max = 1000;  // of an array of tables: so many; rules between them may take time quadratic in it
+  // largest number of tables in an array, since rules between them may take quadratic time
+  std::size_t max = 1000;
 };
 
-/// ">= 0", "> 0", "0 to 1"; empty for any number.
+/// Returns ">= 0", "> 0" or "0 to 1"; empty for any number.
 std::string to_string(const Range& range);
 
 }  // namespace godobject

@@ -21,7 +21,7 @@ void KeyReference::either(const Key& key, const Key& other, double, std::optiona
 }
 
 void KeyReference::one_of(const Key& key, const std::vector<std::string>& names, std::size_t index) {
-  if (key.required || !key.otherwise.empty()) {  // one of the names that the file itself defines
+  if (key.required || !key.otherwise.empty()) {  // one of the names defined in the same file
     row(key, "string", "");
     return;
   }

@@ -1,5 +1,5 @@
 // Writes the reference of the scene format, one Markdown table per TOML table. A visitor of
-// platform/scene/keys/scene.h that sees default-constructed values.
+// platform/scene/keys/scene.h with default values.
 #pragma once
 
 #include <concepts>
@@ -26,7 +26,7 @@ class KeyReference {
   void value(const Key& key, const Vec3& x);
   void value(const Key& key, bool x) { row(key, "boolean", x ? "true" : "false"); }
   void value(const Key& key, const std::optional<double>&) { row(key, "number", "none"); }
-  /// A key without a default, of T.
+  /// Writes a key of type T without a default.
   template <class T>
   void absent(const Key& key) {
     // cppcheck-suppress assignBoolToPointer

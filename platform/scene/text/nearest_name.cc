@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t resemblance = 2;  // characters
 
-/// The least number of characters to be put in, left out or exchanged.
+/// Returns the smallest number of characters to insert, delete or replace.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

@@ -1,4 +1,4 @@
-// "Did you mean": the known name that is nearest to a mistyped one.
+// "Did you mean": finds the known name nearest to a mistyped one.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// The name fewest characters away from `typed` (Levenshtein's distance); none: all are more than two away.
+/// Returns the name with the smallest Levenshtein distance to `typed`; none if all are more than two away.
 std::optional<std::string_view> nearest_name(std::string_view typed, std::span<const std::string_view> names);
 
 }  // namespace godobject

@@ -1,6 +1,6 @@
-// The parser of toml++ 3.3, compiled here alone, without what misleads a compiler about files that anybody may have
-// written: it states as certain that a key begins behind "[" before it checks just that, and that no letter from
-// U+00A1 to U+0499 stands where a key or white space may. Both are answered now: with an error, and with no.
+// The parser of toml++ 3.3, compiled only here, without two assumptions that fail for untrusted files. It
+// assumes that a key follows "[" before checking it, and that no letter from U+00A1 to U+0499 occurs in place
+// of a key or white space. Here these cases are an error and a negative answer.
 #undef NDEBUG
 #define TOML_ASSERT(expression) static_assert(true)
 #define TOML_IMPLEMENTATION

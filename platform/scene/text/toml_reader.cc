@@ -11,12 +11,12 @@ namespace godobject {
 
 namespace {
 
-constexpr double unit_tolerance = 1e-6;     // of a written-out quaternion or axis
-constexpr double rounding = 1e-15;          // already unit: stays bit for bit
-constexpr double inertia_tolerance = 1e-9;  // relative, symmetry and triangle inequality
-constexpr std::size_t max_strings = 1000;   // of an array
-constexpr std::size_t max_word = 100;       // bytes: no key or name is longer, and none is near to one
-constexpr std::size_t max_dots = 1000;      // without a comma, '=' or line end: how deep a.b.c nests
+constexpr double unit_tolerance = 1e-6;     // of a quaternion or axis written in decimals
+constexpr double rounding = 1e-15;          // within this already unit, and kept bit for bit
+constexpr double inertia_tolerance = 1e-9;  // relative, for symmetry and triangle inequality
+constexpr std::size_t max_strings = 1000;   // in an array
+constexpr std::size_t max_word = 100;       // bytes; longer than any key or name, so none is near
+constexpr std::size_t max_dots = 1000;      // depth of a.b.c, counted without a comma, '=' or line end
 
 TextPosition place(const toml::source_region& source) {
   return {std::max(source.begin.line, 1u), std::max(source.begin.column, 1u)};
@@ -57,7 +57,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// Line on which tables nest deeper than a parser may follow them; 0: none.
+/// Returns the line on which tables nest deeper than the parser can follow; 0 if there is none.
 std::uint32_t too_deep_line(std::string_view toml) {
   std::uint32_t line = 1;
   std::size_t dots = 0;
@@ -83,7 +83,7 @@ std::string listed(const Vec3& moments) {
 }  // namespace
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates, std::size_t most) {
-  if (word.size() > max_word) return "";  // the time for it is quadratic
+  if (word.size() > max_word) return "";  // avoids quadratic time
   const auto distance = [&](const std::string& candidate) {
     return candidate.size() > max_word ? std::string::npos : edit_distance(word, candidate);
   };
@@ -94,8 +94,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
 
 std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log) {
   if (const std::uint32_t line = too_deep_line(text)) {
-    log.error({line, 1},
-              "more than " + std::to_string(max_dots) + " dots in a row of names: no table is so deep");
+    log.error({line, 1}, "more than " + std::to_string(max_dots) +
+                             " dots in a row of names, deeper than any table of a scene");
     return std::nullopt;
   }
   toml::parse_result parsed = toml::parse(text, log.file());
@@ -127,17 +127,17 @@ std::optional<double> TomlReader::number(const Key& key, const toml::node& node)
   } else if (const auto* whole = node.as_integer()) {
     x = static_cast<double>(whole->get());
   } else {
-    error(node, said(key.name, "must be a number" + with_unit(key) + ", not " + article_and_type(node)));
+    error(node, sentence(key.name, "must be a number" + with_unit(key) + ", not " + article_and_type(node)));
     return std::nullopt;
   }
   if (!std::isfinite(x)) {
-    error(node, said(key.name, "must be finite"));
+    error(node, sentence(key.name, "must be finite"));
     return std::nullopt;
   }
   if (!key.range.contains(x)) {
     const std::string written = node.is_integer() ? std::to_string(node.as_integer()->get()) : shortest(x);
-    error(node, said(key.name, "is " + written + ", out of range: admissible is " + to_string(key.range) +
-                                   with_unit(key)));
+    error(node, sentence(key.name, "is " + written + ", out of range: admissible is " + to_string(key.range) +
+                                       with_unit(key)));
     return std::nullopt;
   }
   return x;
@@ -153,7 +153,7 @@ std::optional<std::int64_t> TomlReader::integer(const Key& key) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;
   if (!node->is_integer()) {
-    error(*node, said(key.name, "must be an integer, not " + article_and_type(*node)));
+    error(*node, sentence(key.name, "must be an integer, not " + article_and_type(*node)));
     return std::nullopt;
   }
   if (!number(key, *node)) return std::nullopt;
@@ -166,7 +166,7 @@ void TomlReader::value(const Key& key, std::string& x) {
   if (const auto* text = node->as_string()) {
     x = text->get();
   } else {
-    error(*node, said(key.name, "must be a string, not " + article_and_type(*node)));
+    error(*node, sentence(key.name, "must be a string, not " + article_and_type(*node)));
   }
 }
 
@@ -174,8 +174,8 @@ std::vector<double> TomlReader::numbers(const Key& key, const toml::node& node, 
   const toml::array* array = node.as_array();
   if (!array || array->size() != n) {
     const std::string is = array ? std::to_string(array->size()) + " of them" : article_and_type(node);
-    error(node, said(key.name, "must be an array of " + std::to_string(n) + " numbers" + with_unit(key) +
-                                   ", not " + is));
+    error(node, sentence(key.name, "must be an array of " + std::to_string(n) + " numbers" + with_unit(key) +
+                                       ", not " + is));
     return {};
   }
   std::vector<double> values;
@@ -199,7 +199,7 @@ void TomlReader::value(const Key& key, bool& x) {
   if (const auto* yes = node->as_boolean()) {
     x = yes->get();
   } else {
-    error(*node, said(key.name, "must be true or false, not " + article_and_type(*node)));
+    error(*node, sentence(key.name, "must be true or false, not " + article_and_type(*node)));
   }
 }
 
@@ -209,7 +209,7 @@ void TomlReader::value(const Key& key, std::optional<double>& x) {
 
 void TomlReader::value(const Key& key, std::optional<Vec3>& x) {
   if (!has(key.name)) {
-    find(key);  // known from now on
+    find(key);  // marks the key as known
     return;
   }
   x = Vec3::Zero();
@@ -229,12 +229,12 @@ void TomlReader::value(const Key& key, std::vector<std::string>& x) {
   if (!node) return;
   const toml::array* array = node->as_array();
   if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_string(); })) {
-    error(*node, said(key.name, "must be an array of strings"));
+    error(*node, sentence(key.name, "must be an array of strings"));
     return;
   }
   if (array->size() > max_strings) {
-    error(*node, said(key.name, "has " + std::to_string(array->size()) + " strings; at most " +
-                                    std::to_string(max_strings) + " are possible"));
+    error(*node, sentence(key.name, "has " + std::to_string(array->size()) + " strings; at most " +
+                                        std::to_string(max_strings) + " are possible"));
     return;
   }
   x.clear();
@@ -245,7 +245,8 @@ void TomlReader::either(const Key& key, const Key& other, double unit_of_other,
                         std::optional<double> fallback, double& x) {
   const bool has_other = has(other.name);
   if (has(key.name) && has_other) {
-    check(false, other.name, "and '" + std::string(key.name) + "' say the same thing: remove one of them");
+    check(false, other.name,
+          "and '" + std::string(key.name) + "' give the same quantity: remove one of them");
   }
   Key required_unless_other = key;
   required_unless_other.required = key.required && !has_other;
@@ -269,7 +270,7 @@ void TomlReader::unit_vector(const Key& key, Vec3& x) {
   if (values.empty()) return;
   const Vec3 a(values[0], values[1], values[2]);
   if (std::abs(a.norm() - 1) > unit_tolerance) {
-    error(*node, said(key.name, "must have length 1; its length is " + shortest(a.norm())));
+    error(*node, sentence(key.name, "must have length 1; its length is " + shortest(a.norm())));
     return;
   }
   x = std::abs(a.norm() - 1) > rounding ? a.normalized().eval() : a;
@@ -283,7 +284,7 @@ void TomlReader::attitude(const Key& key, Quat& q) {
   const Quat read(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   if (std::abs(read.norm() - 1) > unit_tolerance) {
     error(*node,
-          said(key.name, "must be a unit quaternion [w, x, y, z]; its norm is " + shortest(read.norm())));
+          sentence(key.name, "must be a unit quaternion [w, x, y, z]; its norm is " + shortest(read.norm())));
     return;
   }
   q = std::abs(read.norm() - 1) > rounding ? Quat(read.normalized()) : read;
@@ -292,7 +293,7 @@ void TomlReader::attitude(const Key& key, Quat& q) {
 std::optional<Mat3> TomlReader::matrix(const Key& key, const toml::node& node) {
   const toml::array* rows = node.as_array();
   if (!rows || rows->size() != 3) {
-    error(node, said(key.name, "must be 3 principal moments or a 3x3 matrix" + with_unit(key)));
+    error(node, sentence(key.name, "must be 3 principal moments or a 3x3 matrix" + with_unit(key)));
     return std::nullopt;
   }
   if (!rows->get(0)->is_array()) {
@@ -315,12 +316,12 @@ void TomlReader::inertia(const Key& key, Mat3& I) {
   const std::optional<Mat3> read = matrix(key, *node);
   if (!read) return;
   if (!is_symmetric(*read)) {
-    error(*node, said(key.name, "must be symmetric"));
+    error(*node, sentence(key.name, "must be symmetric"));
     return;
   }
   const Vec3 moments = principal_moments(*read);
   if (!(moments.x() > 0)) {
-    error(*node, said(key.name, "must be positive definite; " + listed(moments)));
+    error(*node, sentence(key.name, "must be positive definite; " + listed(moments)));
     return;
   }
   I = 0.5 * (*read + read->transpose());
@@ -332,7 +333,7 @@ void TomlReader::inertia(const Key& key, Mat3& I) {
 
 void TomlReader::one_of(const Key& key, const std::vector<std::string>& names, std::size_t& index) {
   if (!has(key.name)) {
-    find(key);  // known from now on; an error where it is required
+    find(key);  // marks the key as known; an error if it is required
     return;
   }
   std::string text;
@@ -344,7 +345,7 @@ void TomlReader::one_of(const Key& key, const std::vector<std::string>& names, s
     const std::string near = nearest(text, names);
     const std::string guess = near.empty() ? "" : "; the nearest is \"" + near + "\"";
     error(node,
-          said(key.name, "is \"" + shortened(text) + "\"; admissible is " + quoted_list(names) + guess));
+          sentence(key.name, "is \"" + shortened(text) + "\"; admissible is " + quoted_list(names) + guess));
     return;
   }
   index = static_cast<std::size_t>(found - names.begin());
@@ -356,8 +357,8 @@ const toml::node* TomlReader::subtable(const TableKey& key) {
   const toml::node* node =
       find(Key{.name = key.name, .unit = "", .meaning = key.meaning, .required = key.required});
   if (!node || node->is_table()) return node;
-  error(*node,
-        said(key.name, "must be a table, written [" + path_of(key) + "], not " + article_and_type(*node)));
+  error(*node, sentence(key.name,
+                        "must be a table, written [" + path_of(key) + "], not " + article_and_type(*node)));
   return nullptr;
 }
 
@@ -368,7 +369,7 @@ std::vector<const toml::table*> TomlReader::subtables(const TableKey& key) {
   if (!node) return tables;
   const toml::array* array = node->as_array();
   if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_table(); })) {
-    error(*node, said(key.name, "must be an array of tables: write each as [[" + path_of(key) + "]]"));
+    error(*node, sentence(key.name, "must be an array of tables: write each as [[" + path_of(key) + "]]"));
     return tables;
   }
   if (array->size() > key.max) {
@@ -385,18 +386,19 @@ bool TomlReader::understood(std::string_view name) const {
 }
 
 void TomlReader::check(bool ok, std::string_view name, const std::string& what) {
-  if (!ok) log_.error(place_of(name), said(name, what));
+  if (!ok) log_.error(place_of(name), sentence(name, what));
 }
 
 void TomlReader::advise(bool ok, std::string_view name, const std::string& what) {
-  if (!ok) log_.warning(place_of(name), said(name, what));
+  if (!ok) log_.warning(place_of(name), sentence(name, what));
 }
 
 void TomlReader::finish() {
   for (const auto& [key, node] : table_) {
     const std::string_view name = key.str();
     if (std::ranges::find(known_, name) != known_.end()) continue;
-    const std::string guess = log_.full() ? "" : nearest(name, known_);  // which takes its time
+    // omitted after many errors, because it takes time
+    const std::string guess = log_.full() ? "" : nearest(name, known_);
     log_.error(place(key.source()), "unknown key " + excerpt(name) + " in " + title_ +
                                         (guess.empty() ? "" : "; the nearest known key is '" + guess + "'"));
   }
@@ -406,7 +408,7 @@ std::string TomlReader::path_of(const TableKey& key) const {
   return path_.empty() ? std::string(key.name) : path_ + "." + std::string(key.name);
 }
 
-std::string TomlReader::said(std::string_view name, const std::string& what) const {
+std::string TomlReader::sentence(std::string_view name, const std::string& what) const {
   return name.empty() ? what : "'" + std::string(name) + "' " + what;
 }
 

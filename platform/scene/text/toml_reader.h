@@ -1,5 +1,5 @@
 // Reads one TOML table strictly: every key must be known, of the right type and in range. A visitor of
-// platform/scene/keys/scene.h. Problems go to Diagnostics with their place; the member keeps its value then.
+// platform/scene/keys/scene.h. Errors go to Diagnostics with their place, and the member keeps its value.
 #pragma once
 
 #include <concepts>
@@ -15,12 +15,12 @@
 
 namespace godobject {
 
-/// The tables of a text; nothing, and an error in the log, where it is not TOML.
+/// Parses the tables of a text; none, and an error in the log, if it is not TOML.
 std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log);
 
 class TomlReader {
  public:
-  /// title: how messages call the table, e.g. "[body.coupling]". The table and log outlive the reader.
+  /// title: name of the table in messages, as "[body.coupling]". The table and the log outlive the reader.
   TomlReader(const toml::table& table, std::string path, std::string title, Diagnostics& log);
 
   void value(const Key& key, double& x);
@@ -34,23 +34,24 @@ class TomlReader {
   void value(const Key& key, T& x) {
     if (const std::optional<std::int64_t> n = integer(key)) x = static_cast<T>(*n);
   }
-  /// x: name of a file in the folder of the file that is read, or below. Returns where it is; empty where it may not
-  /// be read.
+  /// Returns the path of a file in the folder of the scene file, or below; empty if it may not be read.
+  /// x: its name.
   std::string path(const Key& key, std::string& x);
   void shorthand(const Key& key, double& x) { value(key, x); }
   void shorthand(const Key& key, std::string& x) { value(key, x); }
   void shorthand(const Key& key, Vec3& x) { value(key, x); }
   void shorthand(const Key& key, Quat& q) { attitude(key, q); }
-  /// Either of two spellings of one number; with neither the fallback, or an error where key is required.
+  /// Reads one of two spellings of one number; with neither the fallback, or an error if the key is required.
   void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
               double& x);
 
-  /// Length 1 within 1e-6, then normalised.
+  /// Reads a vector of length 1 within 1e-6 and normalises it.
   void unit_vector(const Key& key, Vec3& x);
   void attitude(const Key& key, Quat& q);
-  /// Three principal moments, or 3x3: symmetric, positive definite; a warning without triangle inequality.
+  /// Reads three principal moments, or a 3x3 matrix, symmetric and positive definite. Warns if the triangle
+  /// inequality fails.
   void inertia(const Key& key, Mat3& I);
-  /// index of the string in names.
+  /// index: index of the string in `names`.
   void one_of(const Key& key, const std::vector<std::string>& names, std::size_t& index);
 
   template <class F>
@@ -73,30 +74,30 @@ class TomlReader {
   }
 
   bool has(std::string_view name) const { return table_.contains(name); }
-  /// The key is there, and nothing is wrong with it so far: its member has its value.
+  /// True if the key exists without an error so far, so that its member has its value.
   bool understood(std::string_view name) const;
-  /// The line of the key's value, or of the table where there is none.
+  /// Returns the line of the key's value, or of the table if there is none.
   unsigned line_of(std::string_view name) const { return static_cast<unsigned>(place_of(name).line); }
-  /// A rule that spans keys: `what` completes a sentence about the key, or stands alone for name "".
+  /// Checks a rule between keys. The text completes a sentence about the key, or is a sentence if name is "".
   void check(bool ok, std::string_view name, const std::string& what);
   void advise(bool ok, std::string_view name, const std::string& what);
 
-  /// Reports every key that nothing has asked for, with the nearest known one.
+  /// Reports every key that was not read, with the nearest known one.
   void finish();
 
  private:
-  /// The node, or nullptr with an error where a required key is missing.
+  /// Returns the node; null, with an error if the key is required and missing.
   const toml::node* find(const Key& key);
   std::optional<double> number(const Key& key, const toml::node& node);
   std::optional<std::int64_t> integer(const Key& key);
-  /// Exactly n numbers in range; empty after an error.
+  /// Returns exactly n numbers in range; empty after an error.
   std::vector<double> numbers(const Key& key, const toml::node& node, std::size_t n);
   std::optional<Mat3> matrix(const Key& key, const toml::node& node);
   const toml::node* subtable(const TableKey& key);
   std::vector<const toml::table*> subtables(const TableKey& key);
 
   std::string path_of(const TableKey& key) const;
-  std::string said(std::string_view name, const std::string& what) const;
+  std::string sentence(std::string_view name, const std::string& what) const;
   TextPosition place_of(std::string_view name) const;
   void error(const toml::node& node, const std::string& what);
 
@@ -106,8 +107,8 @@ class TomlReader {
   std::vector<std::string> known_;
 };
 
-/// The candidate with the least edit distance (insert, delete, replace, swap neighbours), at most `most`; empty for
-/// none, or where the word is too long to be one.
+/// Returns the candidate with the smallest edit distance (insert, delete, replace, swap neighbours), at most
+/// `most`. Returns an empty text if there is none, or if the word is too long.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates,
                     std::size_t most = std::string::npos);
 

@@ -1,4 +1,4 @@
-// Prints values as TOML that reads back as the same values. A visitor of platform/scene/keys/scene.h.
+// Prints values as TOML from which the same values are read. A visitor of platform/scene/keys/scene.h.
 #pragma once
 
 #include <concepts>

@@ -1,12 +1,11 @@
-// What the lists of keys (scene_keys.h, joint_keys.h, contact_keys.h, device_keys.h) have in common. A visitor V walks
-// them: toml_reader.h fills a SceneConfig from a file, toml_writer.h prints one, key_reference.h writes the reference of
-// the format. V offers
+// Common part of the lists of keys (../keys/). A visitor V walks the lists: toml_reader.h fills a SceneConfig
+// from a file, toml_writer.h prints one, key_reference.h writes the reference of the format. V offers
 //   value, unit_vector, attitude, inertia, one_of   a key and its member
-//   path         a file in the folder of the file that is read, or below; says where it is
+//   path         a file in the folder of the file being read, or below; returns its path
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback
-//   shorthand    a value that only sets other members' defaults, never written back
+//   shorthand    a value that only sets defaults of other members, never written
 //   table, tables, has, check, advise               structure, and rules beyond a single range
-// Within a table, values come before sub-tables: so TOML wants it.
+// Within a table values come before sub-tables, as TOML requires.
 #pragma once
 
 #include <algorithm>
@@ -49,11 +48,11 @@ void choose(V& v, const Key& key, const std::array<const char*, N>& names, Enum&
   value = static_cast<Enum>(index);
 }
 
-/// [[body]] and [[joint]] tables: four times what the largest composition holds. Rules between them take time cubic in
-/// their number.
+/// Limit of [[body]] and [[joint]] tables, four times the largest composition, since rules between them take
+/// cubic time.
 inline constexpr std::size_t max_tables_of_bodies = 256;
 
-/// Names become columns of CSV files and words of messages, so they stay plain.
+/// Names become columns of CSV files and words of messages, so they must be plain.
 inline bool is_plain_name(const std::string& name) {
   return !name.empty() &&
          std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
@@ -61,7 +60,7 @@ inline bool is_plain_name(const std::string& name) {
 
 template <class V>
 void visit_name(V& v, std::string_view meaning, std::string& name) {
-  if (name.empty()) name = "unnamed";  // so that a name that could not be read is complained about once
+  if (name.empty()) name = "unnamed";  // so that a missing name gives one error
   v.value(Key{.name = "name", .unit = "", .meaning = meaning, .required = true}, name);
   v.check(is_plain_name(name), "name", "must be one or more letters, digits, '_' or '-'");
 }

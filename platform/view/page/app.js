@@ -1,4 +1,4 @@
-// The page: what comes in, what is shown of it, keys and buttons. window.godobject is for tests and for the curious.
+// The page: connection, display, keys and buttons. window.godobject is for tests and the console.
 import "./app.css";
 import { Joints } from "./joints.js";
 import { Player } from "./player.js";
@@ -11,7 +11,7 @@ import { ENGAGED, MISSED_DEADLINES, ON_HOLD, OSCILLATES, PHASES, bodyPose, targe
 const STALE_MS = 500;
 const by = (id) => document.getElementById(id);
 
-// Since the page was opened, once each: for those who measure how long a first picture takes.
+// Marks each event once, since the page was opened, to measure the time to the first picture.
 const marked = new Set();
 function mark(name) {
   if (marked.has(name)) return;
@@ -19,7 +19,7 @@ function mark(name) {
   performance.mark(name);
 }
 
-// First of all: what the server says comes while the picture is being set up.
+// Connects first, because the server's messages arrive while the view is being set up.
 const send = connect({
   scene: (about) => setScene(about),
   frame: (frame) => {
@@ -59,8 +59,8 @@ function setScene(about) {
   by("hand").hidden = !pointer.enabled;
   for (const id of ["grab", "release", "clutch"]) by(id).hidden = Boolean(pointer.joints);
   by("how").textContent = pointer.joints
-    ? "Wheel over a part: its coordinate; with shift: the one before it. 1 to 9: choose one; up and down: move it."
-    : "Drag the tool; G keeps hold. Wheel: depth. Shift: turn.";
+    ? "Wheel over a part: its coordinate; with shift: that of its parent. 1 to 9: choose one; up and down: move it."
+    : "Drag the tool; G keeps the grip. Wheel: depth. Shift: turn.";
   by("name").textContent = about.name;
   by("about").textContent = `${about.about} (${about.title})`;
   by("warning").textContent = about.warning;
@@ -68,7 +68,7 @@ function setScene(about) {
   document.title = `godobject: ${about.name}`;
 }
 
-// Words of the bits that are set.
+// Returns the texts of the set bits.
 const words = (bits, texts) => texts.filter((_, i) => bits >>> i & 1);
 
 function describe() {
@@ -126,8 +126,8 @@ for (const [name, text, key] of OPTIONS) {
   box.onchange = () => view.setShown(name, box.checked);
   by("options").append(label);
 }
-by("options").append(Object.assign(document.createElement("small"), { textContent: "R: look at all · T: dark, light · L: legend · left drag: orbit, right: pan, wheel: zoom" }));
-const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: where the hand is"], ["calm", "coupling, at rest"], ["loaded", "coupling, at its load"],
+by("options").append(Object.assign(document.createElement("small"), { textContent: "R: view all · T: dark, light · L: legend · left drag: orbit, right: pan, wheel: zoom" }));
+const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: pose of the hand"], ["unloaded", "coupling, at rest"], ["loaded", "coupling, at its load"],
   ["force", "force to the hand"], ["contact", "contact forces"], ["body", "other bodies"], ["obstacle", "obstacles"]];
 by("legend").innerHTML = LEGEND.map(([name, text]) => `<div><i style="background:#${COLOURS[name].toString(16).padStart(6, "0")}"></i>${text}</div>`).join("");
 
@@ -138,7 +138,8 @@ function setTheme(theme) {
 }
 setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 
-// The body that a press would drag, or the coordinates that the wheel moves over it, and the chosen coordinate.
+// Writes the body that a press would drag, or the coordinates that the wheel moves, and the selected
+// coordinate.
 function writeHand() {
   const { about } = state, { joints, hover } = pointer;
   const body = hover === null ? "" : about.bodies[about.driven[hover]].name;
@@ -177,7 +178,7 @@ addEventListener("blur", stopKeys);
 
 function draw(now) {
   requestAnimationFrame(draw);
-  if (marked.has("drawn")) mark("picture");  // it has been shown
+  if (marked.has("drawn")) mark("picture");  // the previous call drew the picture
   player.tick(now);
   if (state.isNew) {
     state.isNew = false;
@@ -191,7 +192,7 @@ function draw(now) {
   by("grab").setAttribute("aria-pressed", String(pointer.holds));
   if (pointer.enabled) writeHand();
   by("clutch").setAttribute("aria-pressed", String(pointer.clutch));
-  if (marked.has("picture")) strips.draw(now, !state.about.live);  // the picture first
+  if (marked.has("picture")) strips.draw(now, !state.about.live);  // after the first picture
   window.godobject.drawn++;
 }
 

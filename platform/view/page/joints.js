@@ -1,8 +1,8 @@
-// Keys and wheel move the coordinates of an articulated instrument, some at a time, no faster than the server takes.
+// Keys and wheel move the coordinates of an articulated instrument, within the server's rate limits.
 import { encodeJoints } from "./wire.js";
 
 const KEY_RATE = { turn: 1, slide: 0.1 };  // rad/s, m/s
-const NOTCH = { turn: 0.05, slide: 0.004 }, MOST_NOTCHES = 10;  // rad, m of a step of the wheel; steps that wait
+const NOTCH = { turn: 0.05, slide: 0.004 }, MOST_NOTCHES = 10;  // rad, m per wheel step; pending steps
 
 export class Joints {
   // coordinates, carriers: of the scene's message; carriers[i] carries the handle of driven body i
@@ -13,7 +13,7 @@ export class Joints {
 
   kind(i) { return this.coordinates[i].turns ? "turn" : "slide"; }
   select(i) { if (i < this.coordinates.length) this.selected = i; }
-  // The coordinate that the wheel moves over this driven body; with shift the one that carries it.
+  // Returns the coordinate that the wheel moves over this driven body; with shift the parent's coordinate.
   of(target, shift) {
     const own = this.carriers[target] ?? null;
     return own !== null && shift ? this.coordinates[own].parent ?? own : own;
@@ -26,15 +26,16 @@ export class Joints {
 
   wheel(event, target) {
     const i = target === undefined ? null : this.of(target, event.shiftKey);
-    if (i === null) return;  // the camera's
+    if (i === null) return;  // left to the camera
     event.preventDefault();
     event.stopImmediatePropagation();
-    const step = NOTCH[this.kind(i)], way = event.deltaY || event.deltaX;  // shift makes it sideways
+    const step = NOTCH[this.kind(i)], way = event.deltaY || event.deltaX;  // shift makes the wheel horizontal
     this.selected = i;
     this.pending[i] = Math.max(-MOST_NOTCHES * step, Math.min(MOST_NOTCHES * step, this.pending[i] - Math.sign(way) * step));
   }
 
-  // A message for as long as something moves, and one that ends it. The first one takes the joints and moves nothing.
+  // Sends a message while any coordinate moves, and a last one. The first one grips the joints and moves
+  // none.
   tick(dt) {
     if (document.hidden) {
       this.pending.fill(0);

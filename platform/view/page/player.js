@@ -1,4 +1,4 @@
-// A recording: a slider, and frames as time goes by.
+// Plays a recording: a slider, and frames at the speed of time.
 export class Player {
   constructor(show, mark) {
     Object.assign(this, { show, mark, frames: [], t: 0, playing: false });
@@ -27,7 +27,7 @@ export class Player {
     this.seek(this.frames[Math.min(Math.max(this.index(this.t) + frames, 0), this.frames.length - 1)].t);
   }
 
-  // The index of the last frame that is not after t.
+  // Returns the index of the last frame that is not after t.
   index(t) {
     let low = 0, high = this.frames.length - 1;
     while (low < high) {

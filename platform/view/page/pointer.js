@@ -1,9 +1,9 @@
-// The hand in the page: mouse, touch and gamepad as a relative device that takes hold of the tool.
+// Mouse, touch and gamepad as a relative device that grips the tool.
 import * as THREE from "three";
 import { encodePointer } from "./wire.js";
 
 const SEND_MS = 1000 / 60, TURN_PER_PIXEL = 0.01, DEPTH_PER_STEP = 0.02;
-const PAD_SPEED = 0.25, PAD_TURN = 1.5, PAD_DEAD = 0.12;  // m/s, rad/s, of a stick's way
+const PAD_SPEED = 0.25, PAD_TURN = 1.5, PAD_DEAD = 0.12;  // m/s, rad/s at full deflection; dead zone
 
 export class Pointer {
   constructor(view, canvas, send) {
@@ -19,7 +19,7 @@ export class Pointer {
     setInterval(() => this.tick(), SEND_MS);
   }
 
-  // kept: on purpose, until it is released; otherwise for as long as the mouse button is down.
+  // Grips a driven body. kept: true to hold it until release(), false while the mouse button is down.
   grab(target = this.target, kept = true) {
     this.kept = kept;
     if (this.holds && this.target === target) return;
@@ -43,7 +43,7 @@ export class Pointer {
     this.view.highlight(this.hover);
   }
 
-  // The coupled body under the pointer, and where it is hit.
+  // Returns the coupled body under the pointer, and the point hit.
   under(event) {
     const box = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector2((event.clientX - box.left) / box.width * 2 - 1, 1 - (event.clientY - box.top) / box.height * 2);
@@ -62,7 +62,7 @@ export class Pointer {
     if (!this.enabled || this.joints || event.button !== 0) return;
     const hit = this.under(event);
     if (!hit) return;
-    event.stopImmediatePropagation();  // the camera stays
+    event.stopImmediatePropagation();  // no camera motion
     this.view.controls.enabled = false;
     this.grab(hit.target, this.kept && this.target === hit.target);
     this.drag = { point: hit.point, x: event.clientX, y: event.clientY };
@@ -115,7 +115,7 @@ export class Pointer {
     this.padClutch = pressed(5);
   }
 
-  // A sample, whether it moves or not: a device that says nothing is stale.
+  // Sends a sample even without motion, because a silent device is stale.
   tick() {
     if (this.pointed) this.showHover();
     if (this.enabled && this.joints) return this.joints.tick(SEND_MS / 1000);

@@ -1,12 +1,12 @@
-// Geometries of the solids that a scene names, and of what is drawn beside them.
+// Geometries of a scene's solids, and of arrows.
 import * as THREE from "three";
 
 const SEGMENTS = 24;
 
-// about z, as the core's capsules and cylinders are
+// Turns the axis from y to z, as in the core's capsules and cylinders.
 const aboutZ = (geometry) => geometry.rotateX(Math.PI / 2);
 
-// coarse: one of many.
+// Returns the geometry of a solid. coarse: true for scenes with many solids.
 export function geometryOf(solid, meshes, extent, coarse) {
   const [a, b, c] = solid.size;
   switch (solid.kind) {
@@ -19,7 +19,7 @@ export function geometryOf(solid, meshes, extent, coarse) {
   }
 }
 
-// A surface of nodes; nodes that move are written into its position attribute.
+// Returns a surface of nodes; moving nodes are written into its position attribute.
 export function triangles(vertices, corners) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.Float32BufferAttribute(vertices, 3));
@@ -28,7 +28,7 @@ export function triangles(vertices, corners) {
   return geometry;
 }
 
-// An arrow of length 1 along z, from its tail at the origin.
+// Returns an arrow of length 1 along z, with its tail at the origin.
 export function arrowGeometry() {
   const shaft = aboutZ(new THREE.CylinderGeometry(0.018, 0.018, 0.8, 6, 1, true)).translate(0, 0, 0.4).toNonIndexed();
   const head = aboutZ(new THREE.ConeGeometry(0.06, 0.2, 10)).translate(0, 0, 0.9).toNonIndexed();
@@ -44,7 +44,7 @@ export function setPose(object, pose) {
 }
 
 const Z = new THREE.Vector3(0, 0, 1), way = new THREE.Vector3();
-// From a to b: an object of length 1 along z, of its own width.
+// Stretches an object of length 1 along z from a to b. width: scale across.
 export function span(object, a, b, width) {
   way.subVectors(b, a);
   const length = way.length();

@@ -1,4 +1,4 @@
-// Where frames come from: the stream of a run, or a recording as a whole.
+// Source of frames: the stream of a run, or a complete recording.
 import { decodeFrame } from "./wire.js";
 
 const RETRY_MS = 400;
@@ -16,13 +16,14 @@ async function recording(on) {
   on.recording(frames);
 }
 
-// Why the server lets nobody in; empty: it does, or it is not there.
+// Returns the server's reason for a refusal; empty if it accepts or is not reachable.
 async function refusal() {
   const answer = await fetch(address("/scene")).catch(() => null);
   return answer && !answer.ok ? (await answer.text()).trim() : "";
 }
 
-// on: { scene(json), frame(frame), lost(why), recording(frames) }. Comes back by itself. Returns send(buffer).
+// Connects, and reconnects after a loss. on: { scene(json), frame(frame), lost(why), recording(frames) }.
+// Returns send(buffer).
 export function connect(on) {
   let socket = null;
   const open = () => {

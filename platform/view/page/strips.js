@@ -1,11 +1,11 @@
-// Curves over time beside the picture.
+// Plots over time beside the picture.
 import uPlot from "uplot";
 import { feedbackForce, targetPose, bodyPose } from "./wire.js";
 
 const SPAN_S = 20, REDRAW_MS = 100;
 const length = (v) => Math.hypot(v[0], v[1], v[2]);
 
-// The most of all driven bodies.
+// Returns the largest displayed force of all driven bodies, N.
 export function shownForce(frame) {
   let most = length(frame.handForce);
   for (let i = 0; i < frame.numDriven; ++i) most = Math.max(most, length(feedbackForce(frame, i)));

@@ -1,17 +1,18 @@
-// The scene in three dimensions: bodies where the simulation has them, and in wireframe where the hand has them.
+// The scene in three dimensions: solid bodies at their simulated pose, wireframes at the pose of the device.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { arrowGeometry, geometryOf, setPose, span, triangles } from "./solids.js";
 import { bodyPose, couplingForce, feedbackForce, targetPose } from "./wire.js";
 
 export const COLOURS = {
-  tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, calm: 0x2c9c5a, loaded: 0xd5261c,
+  tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, unloaded: 0x2c9c5a, loaded: 0xd5261c,
   force: 0xb01fb0, contact: 0x1f7fd0, sphere: 0x333a44, lit: 0x404020,
 };
 const MAX_ARROWS = 4096, MANY = 150;
 const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x14181f, grid: 0x3a4350 } };
 
-// Smooth edges cost a graphics card nothing, and a machine that draws in software a part of each frame.
+// Returns a context, without smooth edges on a software renderer, where they cost a large share of each
+// frame.
 function contextOf(canvas) {
   const probe = document.createElement("canvas").getContext("webgl2");
   const info = probe?.getExtension("WEBGL_debug_renderer_info");
@@ -85,20 +86,21 @@ export class View {
     (onBody ? this.bodies[solid.body] : this.world).add(mesh);
   }
 
-  // Equal solids share one: an organ is some hundred spheres.
+  // Shares the geometry of equal solids, because an organ has some hundred spheres.
   geometry(solid) {
     const key = JSON.stringify([solid.kind, solid.size, solid.mesh]);
     if (!this.geometries.has(key)) this.geometries.set(key, geometryOf(solid, this.about.meshes, this.extent, this.about.solids.length > MANY));
     return this.geometries.get(key);
   }
 
-  // The device: the tool in wireframe at the target, the coupling to it, the force that it shows.
+  // Adds the device: the tool in wireframe at the target, the coupling to it, and the displayed force.
   addGhost(body) {
     const group = new THREE.Group();
     const material = new THREE.LineBasicMaterial({ color: COLOURS.ghost, transparent: true, depthTest: false });
     for (const mesh of this.bodies[body].children) {
       if (!mesh.isMesh) continue;
-      const angle = mesh.userData.solid.kind === "box" ? 1 : 14;  // degrees between faces that share no line
+      // largest angle between faces without a drawn edge, degrees
+      const angle = mesh.userData.solid.kind === "box" ? 1 : 14;
       const wires = new THREE.LineSegments(mesh.geometry.attributes.position.count > 400 && angle > 1
         ? new THREE.WireframeGeometry(lowDetail(mesh)) : new THREE.EdgesGeometry(mesh.geometry, angle), material);
       wires.position.copy(mesh.position);
@@ -107,7 +109,7 @@ export class View {
       group.add(wires);
     }
     const line = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 8).rotateX(Math.PI / 2).translate(0, 0, 0.5),
-      new THREE.MeshBasicMaterial({ color: COLOURS.calm, depthTest: false, transparent: true }));
+      new THREE.MeshBasicMaterial({ color: COLOURS.unloaded, depthTest: false, transparent: true }));
     line.renderOrder = 4;
     const force = this.arrow(COLOURS.force);
     this.world.add(group, line, force);
@@ -144,7 +146,7 @@ export class View {
     return axes;
   }
 
-  // A net: its nodes come with each frame.
+  // Adds a net; its nodes come with each frame.
   addSurface(surface) {
     const mesh = new THREE.Mesh(triangles(new Float32Array(3 * surface.num_vertices), surface.triangles),
       new THREE.MeshLambertMaterial({ color: COLOURS.body, side: THREE.DoubleSide }));
@@ -217,12 +219,12 @@ export class View {
     const apart = tool.distanceTo(target) / (0.02 * this.extent);
     ghost.material.opacity = Math.min(1, 0.35 + 0.65 * apart);
     if (this.show.ghost) span(ghost.line, tool, target, 0.006 * this.extent * (1 + load));
-    ghost.line.material.color.set(COLOURS.calm).lerp(new THREE.Color(COLOURS.loaded), load);
+    ghost.line.material.color.set(COLOURS.unloaded).lerp(new THREE.Color(COLOURS.loaded), load);
     const force = this.about.takes_hold ? frame.handForce : feedbackForce(frame, i);
     if (this.show.arrows) this.pointArrow(ghost.force, target, force);
   }
 
-  // target: index of a driven body that lights up; null: none.
+  // Highlights a driven body. target: its index; null for none.
   highlight(target) {
     if (target === this.lit) return;
     this.lit = target;
@@ -265,7 +267,7 @@ export class View {
     }
   }
 
-  // The camera goes along with the tool.
+  // Moves the camera with the tool.
   follow() {
     const held = this.frame.held >= 0 ? this.frame.held : this.driven[0];
     if (!this.show.follow || held === undefined) return void (this.followed = null);
@@ -291,7 +293,7 @@ export class View {
     this.renderer.render(this.scene, this.camera);
   }
 
-  // Where a point of the world is on the canvas, CSS pixels.
+  // Returns the position of a world point on the canvas, CSS pixels.
   project(point) {
     const seen = new THREE.Vector3(...point).project(this.camera);
     return { x: (seen.x + 1) / 2 * this.width, y: (1 - seen.y) / 2 * this.height };
@@ -305,7 +307,7 @@ const lowDetail = (mesh) => {
   return mesh.geometry;
 };
 
-// What there is to look at: all bodies and obstacles that have an end, as the scene begins.
+// Returns the bounds of all finite bodies and obstacles at the start of the scene.
 function boundsOf(about) {
   const box = new THREE.Box3(), at = new THREE.Vector3(), turn = new THREE.Quaternion(), object = new THREE.Object3D(), inBody = new THREE.Object3D();
   for (const solid of about.solids) {

@@ -1,4 +1,4 @@
-// Frames and pointers on the wire: docs/view.md.
+// Binary frames and pointer messages: docs/view.md.
 
 const FRAME = 0x46564f47, POINTER = 0x50564f47, VERSION = 1, JOINTS_VERSION = 2, MAX_JOINTS = 16;
 const BODY = 28, DRIVEN = 76, CONTACT = 44, VERTEX = 12;
@@ -6,7 +6,8 @@ export const PHASES = ["off", "booting", "running", "running down", "closing", "
 export const ENGAGED = 1, ON_HOLD = 2, OSCILLATES = 4, MISSED_DEADLINES = 8;
 export const NONE = 0xffffffff;
 
-// The frame at this place of a buffer, and where the next one begins. Numbers of poses stay where they are.
+// Decodes the frame at this offset of a buffer; `end` is the offset of the next. Poses are views of the
+// buffer.
 export function decodeFrame(buffer, at = 0) {
   const data = new DataView(buffer, at), u32 = (i) => data.getUint32(i, true), f32 = (i) => data.getFloat32(i, true);
   if (u32(0) !== FRAME || data.getUint16(4, true) !== VERSION) throw new Error("this is no frame of version 1: reload the page");
@@ -46,7 +47,7 @@ export function encodePointer({ number, holds, moves, target, shift, turn }) {
   return data.buffer;
 }
 
-// shift: of each coordinate of the scene since the message before, rad or m.
+// shift: displacement of each coordinate of the scene since the previous message, rad or m.
 export function encodeJoints({ number, holds, shift }) {
   const data = new DataView(new ArrayBuffer(16 + 4 * MAX_JOINTS));
   data.setUint32(0, POINTER, true);

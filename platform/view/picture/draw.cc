@@ -1,4 +1,4 @@
-// Triangles into pixels: a depth buffer, one light at the camera's shoulder, four samples a pixel.
+// Rasterises triangles: a depth buffer, one light beside the camera, four samples a pixel.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,11 +8,11 @@
 namespace godobject {
 namespace {
 
-constexpr std::uint32_t samples = 2;     // a side of a pixel
-constexpr double field_of_view = 0.698;  // rad, of the height
+constexpr std::uint32_t samples = 2;     // per side of a pixel
+constexpr double field_of_view = 0.698;  // rad, vertical
 constexpr Colour back{0xf4, 0xf5, 0xf7}, edge_colour{0x2a, 0x34, 0x42};
 
-/// x right, y down, in samples; z: one over the distance, the nearer the larger.
+/// Screen point: x right, y down, in samples; z: inverse distance, larger if nearer.
 struct Point {
   double x = 0, y = 0, z = 0;
 };
@@ -38,7 +38,7 @@ class Camera {
     return {
         .x = half_width_ + scale_ * d.dot(right_) * z, .y = half_height_ - scale_ * d.dot(up_) * z, .z = z};
   }
-  /// Share of the light that a surface with this normal gives back; both sides alike.
+  /// Returns the share of light that a surface with this normal reflects; both sides alike.
   double shade(const Vec3& n) const { return 0.5 + 0.5 * std::abs(n.dot(light_)); }
 
  private:
@@ -70,7 +70,7 @@ class Canvas {
         if (u >= 0 && v >= 0 && w >= 0) put(x, y, u * a.z + v * b.z + w * c.z, colour);
       }
   }
-  /// A band of this width, in samples.
+  /// Draws a band of this width, in samples.
   void line(const Point& a, const Point& b, double width, const Colour& colour) {
     const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
     if (!(length > 0)) return;
@@ -80,9 +80,9 @@ class Canvas {
     triangle(a1, a2, b1, colour);
     triangle(b1, a2, b2, colour);
   }
-  /// The opacity of what is drawn from here on.
+  /// Sets the opacity of all further drawing.
   void set_opacity(double opacity) { opacity_ = opacity; }
-  /// What is drawn from here on is in front of all.
+  /// Puts all further drawing in front of the present one.
   void clear_depth() { std::ranges::fill(depth_, 0.0); }
 
   Image image() const {
@@ -118,7 +118,7 @@ class Canvas {
   std::vector<double> depth_;
 };
 
-/// A line that ends where it would pass the camera.
+/// Draws a line, clipped in front of the camera.
 void draw_line(const Camera& camera, Vec3 a, Vec3 b, double width, double nearer, const Colour& colour,
                Canvas& canvas) {
   if (camera.depth(a) < camera.depth(b)) std::swap(a, b);
@@ -131,7 +131,7 @@ void draw_line(const Camera& camera, Vec3 a, Vec3 b, double width, double nearer
   canvas.line(p, q, width, colour);
 }
 
-/// Corners behind the camera are cut off.
+/// Draws a triangle, clipped in front of the camera.
 void draw_triangle(const Camera& camera, const std::array<Vec3, 3>& corners, const Colour& colour,
                    Canvas& canvas) {
   std::vector<Point> kept;

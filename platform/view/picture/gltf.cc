@@ -1,4 +1,4 @@
-// glTF 2.0: a node for each thing in the picture, in the world; all numbers in one buffer within the file.
+// glTF 2.0: a node for each item of the picture, in the world; all numbers in one buffer within the file.
 #include <algorithm>
 #include <bit>
 
@@ -31,7 +31,7 @@ class GltfBuilder {
  public:
   GltfBuilder() {
     json_ = {{"asset", {{"version", "2.0"}, {"generator", "godobject"}}}, {"scene", 0}};
-    // Up is z here and y there.
+    // Rotates z up (here) to y up (glTF).
     json_["nodes"] = Json::array({{{"name", "world"},
                                    {"rotation", {-0.7071067811865476, 0.0, 0.0, 0.7071067811865476}},
                                    {"children", Json::array()}}});

@@ -12,7 +12,7 @@ namespace {
 
 // The page's colours.
 constexpr Colour tool_colour{0xd5, 0x45, 0x2c}, body_colour{0x7e, 0x9f, 0xc7},
-    obstacle_colour{0xa9, 0xa2, 0x94}, ghost_colour{0xe0, 0x8a, 0x1e}, calm_colour{0x2c, 0x9c, 0x5a},
+    obstacle_colour{0xa9, 0xa2, 0x94}, ghost_colour{0xe0, 0x8a, 0x1e}, unloaded_colour{0x2c, 0x9c, 0x5a},
     loaded_colour{0xd5, 0x26, 0x1c}, force_colour{0xb0, 0x1f, 0xb0}, contact_colour{0x1f, 0x7f, 0xd0};
 
 Colour between(const Colour& a, const Colour& b, double s) {
@@ -22,7 +22,7 @@ Colour between(const Colour& a, const Colour& b, double s) {
   return c;
 }
 
-/// What there is to look at, as in the page: all that has an end, as the scene begins.
+/// Sets centre and extent as in the page: the bounds of all finite solids at the start of the scene.
 void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& picture) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   const auto add = [&](const Vec3& p) {
@@ -76,9 +76,10 @@ class PictureBuilder {
   }
 
  private:
-  /// A device is drawn at each driven body; one that takes hold of bodies, at the one that it holds.
+  /// True if the device is drawn at this body: at each driven body, or at the held one if the device grips
+  /// bodies.
   bool is_shown(std::size_t body) const {
-    return takes_hold(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
+    return grips_bodies(scene_) ? record_.held == body : std::ranges::find(driven_, body) != driven_.end();
   }
 
   void add(const Solid& solid) {
@@ -124,10 +125,10 @@ class PictureBuilder {
       picture_.meshes.push_back(
           {.name = "coupling",
            .mesh = rod(view.X_WB.p, view.target.X_WD.p, 0.006 * picture_.extent * (1 + load)),
-           .colour = between(calm_colour, loaded_colour, load),
+           .colour = between(unloaded_colour, loaded_colour, load),
            .in_front = true});
     add_arrow("force to the hand", view.target.X_WD.p,
-              takes_hold(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);
+              grips_bodies(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);
   }
 
   void add_arrow(const char* name, const Vec3& from, const Vec3& F, const Colour& colour) {

@@ -1,7 +1,4 @@
-// A still of an instant, without a browser: what the page draws, as triangles, lines and a camera.
-//
-// The room: picture.cc collects what an instant shows, triangles.h makes triangles of solids, draw.cc makes pixels of
-// triangles, png.h a file of pixels, still or animated; gltf.cc writes the same picture as a model.
+// A picture of an instant, drawn without a browser: the page's view as triangles, lines and a camera.
 #pragma once
 
 #include <array>
@@ -14,12 +11,12 @@
 
 namespace godobject {
 
-/// In the world.
+/// Triangles in the world.
 struct PictureMesh {
   std::string name;
   MeshData mesh;
   Colour colour{};
-  bool in_front = false;  // of everything that is not
+  bool in_front = false;  // drawn over all other meshes
   bool has_edges = false;
 };
 struct PictureWires {
@@ -32,16 +29,17 @@ struct Picture {
   std::vector<PictureMesh> meshes;
   std::vector<PictureWires> wires;
   Vec3 centre = Vec3::Zero();
-  double extent = 1;  // half the diagonal of what there is to look at, m
+  double extent = 1;  // half the diagonal of the scene's bounds, m
 };
 
-/// Bodies are solid where the simulation has them; in wireframe, with the coupling and the force to the hand, where the
-/// device has them. centre and extent are those of the scene at its start.
+/// Makes the picture of a sample. Bodies are solid at their simulated pose. At the pose of the device they
+/// are wireframes, with the coupling and the force to the hand. centre and extent are those of the scene at
+/// its start.
 Picture picture_of(const Recording& recording, const Drawing& drawing, const ViewSample& sample);
 
-/// As the page shows it at first.
+/// Draws the picture with the page's initial camera. width, height: pixels.
 Image drawn(const Picture& picture, std::uint32_t width, std::uint32_t height);
-/// glTF 2.0 with all its data in it.
+/// Returns the picture as glTF 2.0 with all data embedded.
 std::string gltf_of(const Picture& picture);
 
 }  // namespace godobject

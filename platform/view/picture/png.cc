@@ -35,7 +35,7 @@ void put_chunk(std::string& to, std::string_view type, std::string_view data) {
   put_u32(to, crc32(body));
 }
 
-/// Deflate with the fixed codes, and the matches that pictures with flat areas have: runs of one byte.
+/// Deflate with the fixed codes. Its only matches are runs of one byte, which occur in flat areas.
 class Deflate {
  public:
   explicit Deflate(std::string& to) : to_(to) {
@@ -58,13 +58,13 @@ class Deflate {
   }
 
  private:
-  /// Least significant bit first.
+  /// Writes bits, least significant bit first.
   void put(std::uint32_t value, unsigned bits) {
     bits_ |= value << num_bits_;
     for (num_bits_ += bits; num_bits_ >= 8; num_bits_ -= 8, bits_ >>= 8u)
       to_ += static_cast<char>(bits_ & 0xFFu);
   }
-  /// Codes of Huffman come with their most significant bit first.
+  /// Writes a Huffman code, most significant bit first.
   void code(std::uint32_t value, unsigned bits) {
     std::uint32_t reversed = 0;
     for (unsigned i = 0; i < bits; ++i) reversed |= (value >> i & 1u) << (bits - 1 - i);
@@ -77,7 +77,7 @@ class Deflate {
     else code(0xC0 + s - 280, 8);
   }
   void literal(std::uint8_t byte) { symbol(byte); }
-  /// `length` bytes, 3 to 258, as the one before.
+  /// Writes `length` bytes, 3 to 258, equal to the previous byte.
   void match(unsigned length) {
     static constexpr std::array<unsigned, 29> base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                    15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -114,7 +114,7 @@ std::string zlib_of(const std::vector<std::uint8_t>& bytes) {
   return to;
 }
 
-/// Each row as its difference to the one above: zeros where a picture is flat.
+/// Encodes each row as its difference to the row above, which is zero in flat areas.
 std::string rows_of(const Image& image) {
   constexpr std::uint8_t filter_up = 2;
   const std::size_t stride = std::size_t{3} * image.width;
@@ -154,7 +154,7 @@ std::string png_of(const std::vector<Image>& images, double seconds) {
   if (moves) {
     std::string control;
     put_u32(control, static_cast<std::uint32_t>(images.size()));
-    put_u32(control, 0);  // for ever
+    put_u32(control, 0);  // repeats endlessly
     put_chunk(to, "acTL", control);
   }
   std::uint32_t number = 0;

@@ -12,7 +12,8 @@ struct Image {
   std::vector<std::uint8_t> rgb;  // row by row, 3 bytes a pixel
 };
 
-/// The bytes of the file. Several images, all of one size, are an animation that repeats. seconds: of each image.
+/// Returns the bytes of the file. Several images, all of one size, make an animation that repeats. seconds:
+/// duration of each image, s.
 std::string png_of(const std::vector<Image>& images, double seconds = 0.1);
 
 }  // namespace godobject

@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::uint32_t num_sides = 32, num_rings = 8;  // of round solids; rings of a half sphere
 
-/// A surface of revolution about z through points (radius, height) from bottom to top; both ends are closed.
+/// Returns a surface of revolution about z through points (radius, height) from bottom to top; both ends are
+/// closed.
 MeshData turned(const std::vector<std::array<double, 2>>& profile) {
   MeshData mesh;
   for (const auto& [radius, height] : profile)
@@ -38,7 +39,7 @@ MeshData turned(const std::vector<std::array<double, 2>>& profile) {
   return mesh;
 }
 
-/// Two half spheres, half_length above and below the middle.
+/// Returns the profile of two half spheres, half_length above and below the middle.
 std::vector<std::array<double, 2>> rounded(double radius, double half_length) {
   std::vector<std::array<double, 2>> profile;
   for (int side : {-1, 1})
@@ -75,7 +76,8 @@ void place(MeshData& mesh, const Vec3& a, const Vec3& b) {
   for (Vec3& p : mesh.vertices) p = a + q * p;
 }
 
-/// Edges between triangles whose normals differ by more than some degrees, or on one triangle alone.
+/// Returns edges of one triangle only, and edges between triangles with normals that differ by more than 14
+/// degrees.
 std::vector<std::array<Vec3, 2>> sharp_edges(const MeshData& mesh) {
   constexpr double same_face = 0.97;  // cosine
   const auto key = [&](std::uint32_t i) {
@@ -104,7 +106,7 @@ std::vector<std::array<Vec3, 2>> sharp_edges(const MeshData& mesh) {
   return wires;
 }
 
-/// Rings and meridians, every so many of a round solid's lines.
+/// Returns every fourth ring and every eighth meridian of a round solid.
 std::vector<std::array<Vec3, 2>> round_wires(const MeshData& mesh) {
   constexpr std::uint32_t every = 4;
   std::vector<std::array<Vec3, 2>> wires;

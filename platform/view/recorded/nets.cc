@@ -9,13 +9,14 @@
 namespace godobject {
 namespace {
 
-/// Every other row of a longer file is left out, as often as it takes.
+/// Limit on stored bytes; beyond it every other row is dropped, repeatedly.
 constexpr std::size_t max_bytes = std::size_t{256} << 20;
 
-/// The columns are those of this scene's nets; empty, or why not.
+/// Checks that the columns are those of this scene's nets. Returns empty or the error.
 std::string why_not_nets(const std::vector<std::string>& names, const SceneConfig& scene,
                          const std::string& path) {
-  if (scene.nets.empty()) return path + ": scene '" + scene.name + "' has no [[net]]";
+  if (scene.nets.empty())
+    return path + ": scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table";
   const std::vector<std::string> expected = net_trace_columns(scene_nets(scene));
   const auto [name, wanted] = std::ranges::mismatch(names, expected);
   if (name == names.end() && wanted == expected.end()) return "";
@@ -26,12 +27,12 @@ std::string why_not_nets(const std::vector<std::string>& names, const SceneConfi
          " there: is it of another scene, or of other nets?";
 }
 
-/// Rows one after the other, however many there are.
+/// Stores rows of numbers within max_bytes.
 class Rows {
  public:
   explicit Rows(std::size_t num_columns) : numbers_(num_columns) {}
 
-  /// Empty, or what is wrong with the line.
+  /// Adds a line. Returns empty or the error.
   std::string add(const std::string& line) {
     if (number_++ % stride_ != 0) return "";
     if (!read_numbers(line, numbers_))

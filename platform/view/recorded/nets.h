@@ -1,4 +1,4 @@
-// Where the nodes of nets were, as `run --nets` writes it: a trace has none of them.
+// Recorded positions of the nodes of nets, as written by `run --nets`; traces do not contain them.
 #pragma once
 
 #include <optional>
@@ -13,22 +13,23 @@ class NetRecording {
  public:
   NetRecording(std::vector<double> times, std::vector<float> nodes);
 
-  /// At this time, s: between two rows as if each node went straight, before the first and after the last as there.
+  /// Returns the positions at time t, s: linear between two rows, constant before the first and after the
+  /// last.
   std::vector<Vec3> at(double t) const;
   double begin() const noexcept { return times_.front(); }
   double end() const noexcept { return times_.back(); }
   std::size_t num_rows() const noexcept { return times_.size(); }
 
  private:
-  std::vector<double> times_;  // s, rising; at least one
+  std::vector<double> times_;  // s, ascending; at least one
   std::vector<float> nodes_;   // row by row
 };
 
 struct NetRecordingResult {
-  std::optional<NetRecording> nets;  // absent where there are errors
+  std::optional<NetRecording> nets;  // absent if there are errors
   std::vector<std::string> errors;
 };
-/// What a run of this scene has written.
+/// Reads the nets' file of a run of this scene.
 NetRecordingResult read_nets(const std::string& path, const SceneConfig& scene);
 
 }  // namespace godobject

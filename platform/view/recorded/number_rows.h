@@ -1,4 +1,4 @@
-// Rows of numbers, as traces have them, one at a time: those of a long run are not all wanted at once.
+// Reads rows of numbers, as in traces, one at a time, because long runs are not stored as a whole.
 #pragma once
 
 #include <charconv>
@@ -20,7 +20,7 @@ inline std::vector<std::string> split_at_commas(std::string_view line) {
   }
 }
 
-/// False: not as many numbers as there is room for.
+/// Returns false unless the line has exactly numbers.size() numbers.
 inline bool read_numbers(std::string_view line, std::span<double> numbers) {
   const char *at = line.data(), *const end = at + line.size();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -32,7 +32,8 @@ inline bool read_numbers(std::string_view line, std::span<double> numbers) {
   return true;
 }
 
-/// The file: its line of names to begin(names), each row to add(line); both say what is wrong, or nothing. Empty, or that.
+/// Reads a file: passes its first line to begin(names) and each row to add(line). Both return empty or an
+/// error. Returns empty or the first error.
 template <class Begin, class Add>
 std::string read_rows(const std::string& path, Begin begin, Add add) {
   std::ifstream in(path, std::ios::binary);
@@ -40,7 +41,7 @@ std::string read_rows(const std::string& path, Begin begin, Add add) {
   if (!in || !std::getline(in, line)) return path + ": cannot be read, or is empty";
   if (std::string why_not = begin(split_at_commas(line)); !why_not.empty()) return why_not;
   for (std::size_t number = 2; std::getline(in, line); ++number) {
-    if (in.eof()) break;  // without a line end: a run that was killed was about to write it
+    if (in.eof()) break;  // without a line end: cut off when the run was killed
     if (const std::string why_not = add(line); !why_not.empty())
       return path + ":" + std::to_string(number) + ": " + why_not;
   }

@@ -13,7 +13,7 @@
 namespace godobject {
 namespace {
 
-/// The numbers of a row one after the other, as TraceWriter writes them.
+/// Reads the numbers of a row in the order in which TraceWriter writes them.
 class Row {
  public:
   explicit Row(std::span<const double> numbers) noexcept : numbers_(numbers) {}
@@ -42,11 +42,11 @@ class Row {
   std::size_t column_ = 0;
 };
 
-/// Where the columns of a trace are that are not one after the other.
+/// Columns of a trace that depend on the scene.
 struct Columns {
   std::optional<std::size_t> first_target, held, penetration, contacts, energy;
-  std::vector<std::size_t> contact;  // of each body with a contact wrench: its first column
-  std::vector<std::size_t> body;     // that body
+  std::vector<std::size_t> contact;  // first column of each body's contact wrench
+  std::vector<std::size_t> body;     // body of that wrench
 };
 
 Columns columns_of(const std::vector<std::string>& names, const SceneConfig& scene,
@@ -72,7 +72,7 @@ Columns columns_of(const std::vector<std::string>& names, const SceneConfig& sce
   return columns;
 }
 
-/// What the contacts of a body do together, as one at its centre of mass.
+/// Adds the sum of a body's contacts as one contact at its centre of mass.
 void add_contact(std::size_t body, const Wrench& F_W, ViewSample& sample) {
   sample.record.bodies[body].contact_W = F_W;
   const double size = F_W.f.norm();
@@ -133,7 +133,7 @@ std::string why_not_trace(const std::vector<std::string>& names, const SceneConf
       return path + ":1: column " + std::to_string(i + 1) + " is '" + names[i].substr(0, 64) +
              "', and a trace of scene '" + scene.name + "' has '" + expected[i] +
              "' there: is it of another scene? Give its file with --scene";
-  // An earlier version's trace ends before the devices' columns, which are not shown.
+  // Traces of earlier versions end before the devices' columns, which are not displayed.
   const bool has_shown = std::ranges::find(names, "rig_fault") != names.end();
   if (names.size() == expected.size() || (names.size() < expected.size() && has_shown)) return "";
   return path + ":1: " + std::to_string(names.size()) + " columns, and a trace of scene '" + scene.name +
@@ -141,7 +141,7 @@ std::string why_not_trace(const std::vector<std::string>& names, const SceneConf
          ": is it of another scene, or version? Give the scene's file with --scene";
 }
 
-/// Takes the rows that are shown, however long the trace is.
+/// Stores the displayed rows of a trace, at most max_recorded.
 class TraceReader {
  public:
   TraceReader(const SceneConfig& scene, const std::vector<std::string>& names)
@@ -150,7 +150,7 @@ class TraceReader {
         columns_(columns_of(names, scene, driven_)),
         numbers_(names.size()) {}
 
-  /// False: it is no row of the trace.
+  /// Returns false if the line is no row of the trace.
   bool add(const std::string& line) {
     double t = 0;
     const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), t);
@@ -167,7 +167,7 @@ class TraceReader {
   std::vector<ViewSample> samples;
 
  private:
-  /// Every other one is enough, also from here on.
+  /// Drops every other sample and doubles the period of the following ones.
   void thin_out() {
     for (std::size_t i = 0; 2 * i < samples.size(); ++i) samples[i] = samples[2 * i];
     samples.resize((samples.size() + 1) / 2);

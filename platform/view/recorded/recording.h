@@ -1,6 +1,4 @@
-// What was recorded, as frames: a trace of a scene, or the scene alone as it begins.
-//
-// The room: nets.h is the nodes of nets beside a trace, number_rows.h reads both; replay.h plays them to who looks on.
+// Recordings as frames: a trace of a scene, or only the start of the scene.
 #pragma once
 
 #include <cstdint>
@@ -16,36 +14,38 @@
 
 namespace godobject {
 
-/// The instants of a trace that are shown.
+/// Displayed instants of a trace.
 struct Recording {
   SceneConfig scene;
   std::vector<ViewSample> samples;     // at least one, in the order of time
-  std::optional<NetRecording> nets{};  // absent: nobody has written where the nodes were
+  std::optional<NetRecording> nets{};  // absent: positions of nodes were not recorded
 };
 
-/// Where the nodes are, in the world, m: as the sample says, or the recording of nets; on their anchors where neither does.
+/// Returns the positions of the nodes, world, m: those of the sample, of the recorded nets, or else the
+/// nodes' anchors.
 std::vector<Vec3> nodes_of(const Recording& recording, const SceneNets& nets, const ViewSample& sample);
 
-/// A page plays so many instants a second, or fewer, and gets so many at most; what lies between them is left out.
+/// Highest rate of a page's instants, per second, and their largest number; instants between them are left
+/// out.
 inline constexpr double recorded_rate_hz = 100;
 inline constexpr std::size_t max_recorded = 20000;
-/// A page gets so many bytes of nodes at most; what lies between the instants is left out likewise.
+/// Limit on the bytes of nodes for a page; further instants are left out.
 inline constexpr std::size_t max_recorded_net_bytes = std::size_t{256} << 20;
 
-/// The scene as it begins.
+/// Returns the start of the scene as a recording.
 Recording recording_of(const SceneConfig& scene);
 
 struct RecordingResult {
-  std::optional<Recording> recording;  // absent where there are errors
+  std::optional<Recording> recording;  // absent if there are errors
   std::vector<std::string> errors, notes{};
 };
-/// A trace that `run --trace` has written of this scene.
+/// Reads a trace that `run --trace` wrote of this scene.
 RecordingResult read_trace(const std::string& path, const SceneConfig& scene);
 
-/// The sample nearest to this time; none given: the last.
+/// Returns the sample nearest to time t, s; without t the last one.
 const ViewSample& sample_at(const Recording& recording, std::optional<double> t);
 
-/// For pages.
+/// A recording as the source of pages.
 class RecordedView final : public ViewSource {
  public:
   RecordedView(const Recording& recording, const ViewAbout& about);

@@ -44,14 +44,14 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
     recording.samples.back().touching.resize(sample.num_touching);
   }
   if (recording.samples.empty())
-    result.errors.push_back(
-        log +
-        ": the scene's device does not come up by these frames: does the log begin before the run's first?");
+    result.errors.push_back(log +
+                            ": the scene's device does not boot by these frames: the log must begin before "
+                            "the run's first frame");
   else result.recording = std::move(recording);
   if (read.skipped() > 0)
     result.notes.push_back(log + ": the host was silent for " +
                            std::to_string(read.skipped() / 1'000'000'000) +
-                           " s in all: these were not played; what is shown stands still in them");
+                           " s in all: these gaps were skipped; the view stands still in them");
   return result;
 }
 

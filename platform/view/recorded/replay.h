@@ -1,4 +1,4 @@
-// A recording of buses made into a trace again: the rig and the core work on the frames, by the times in the log.
+// Recomputes a recording from logs of buses: rig and core process the frames at the times of the log.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace godobject {
 
-/// log: of `run --record`, of all buses of the scene. scene_path: of its file, for profiles beside it.
+/// Replays a log. log: file of `run --record` with all buses of the scene. scene_path: file of the scene, for
+/// profiles beside it.
 RecordingResult replay_log(const std::string& log, const std::string& scene_path, const SceneConfig& scene);
 
 }  // namespace godobject

@@ -25,7 +25,7 @@ bool is_address(std::string_view text) {
          inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1;
 }
 
-/// Takes as long wherever they differ.
+/// Compares in constant time for equal lengths.
 bool same_secret(std::string_view a, std::string_view b) noexcept {
   if (a.size() != b.size()) return false;
   unsigned differs = 0;
@@ -33,7 +33,7 @@ bool same_secret(std::string_view a, std::string_view b) noexcept {
   return differs == 0;
 }
 
-/// The value of `token` in "a=b&token=c".
+/// Returns the value of `token` in "a=b&token=c".
 std::string_view token_in(std::string_view query) {
   constexpr std::string_view key = "token=";
   while (!query.empty()) {
@@ -44,7 +44,7 @@ std::string_view token_in(std::string_view query) {
   return {};
 }
 
-/// One of "a, b".
+/// True if a list such as "a, b" contains the protocol.
 bool offers(std::string_view protocols, std::string_view wanted) {
   while (!protocols.empty()) {
     std::string_view one = protocols.substr(0, protocols.find(','));
@@ -73,7 +73,7 @@ bool is_token(std::string_view text) {
   return text.size() == token_digits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-/// The token in a file that nobody else can read, made if there is none; empty where it cannot be had.
+/// Returns the token in a file that only its owner can read, created if missing; empty on failure.
 std::string token_in_file(const std::string& path) {
   constexpr mode_t mine_alone = 0600;
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, mine_alone);
@@ -96,10 +96,11 @@ std::string token_in_file(const std::string& path) {
   return token;
 }
 
-/// The user's own folder for what lasts as long as a session; empty: none.
+/// Returns the user's folder for session files; empty if there is none.
 std::string run_time_folder() {
   const auto in_environment = [](const char* name) -> std::string {
-    const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
+    const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): the environment is never
+                                                  // set
     return value != nullptr && *value == '/' ? value : "";
   };
   if (const std::string folder = in_environment("XDG_RUNTIME_DIR"); !folder.empty())
@@ -127,8 +128,9 @@ std::string view_token() {
 Door::Door(std::string address, std::uint16_t port, std::string token)
     : address_(std::move(address)), token_(std::move(token)), port_(port), loopback_(is_loopback(address_)) {}
 
-/// A page elsewhere may have a name of its own that leads here (DNS rebinding): it comes with that name.
-bool Door::knows_host(std::string_view host) const {
+/// True for this server's own names. A foreign page may resolve its own name to this machine (DNS rebinding),
+/// and then sends that name.
+bool Door::is_own_host(std::string_view host) const {
   const std::size_t colon = host.rfind(':');
   if (colon == std::string_view::npos || host.substr(colon + 1) != std::to_string(port_)) return false;
   std::string_view name = host.substr(0, colon);
@@ -139,7 +141,7 @@ bool Door::knows_host(std::string_view host) const {
 
 Verdict Door::judge(const KnockHead& head) const {
   constexpr int bad_method = 405, forbidden = 403, upgrade_required = 426, switching = 101;
-  if (!knows_host(head.host))
+  if (!is_own_host(head.host))
     return refusal(forbidden,
                    "host '" + std::string(head.host.substr(0, 64)) + "' is no name of this server");
   if (head.method != "GET") return refusal(bad_method, "only GET is answered");
@@ -152,7 +154,7 @@ Verdict Door::judge(const KnockHead& head) const {
 
   if (head.origin && !is_foxglove && *head.origin != "http://" + std::string(head.host))
     return refusal(forbidden, "a page of '" + std::string(head.origin->substr(0, 64)) +
-                                  "' asked, not this server's own");
+                                  "' made the request, not this server's own");
   if (token_.empty() || !same_secret(token_in(query), token_))
     return refusal(forbidden, "the token is missing or wrong: use the address as it was printed");
   if (path == "/scene") return {.route = Route::scene};

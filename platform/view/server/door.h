@@ -1,4 +1,4 @@
-// Who may see what: every request to the view's server is judged here, before anything is done for it.
+// Access control: checks every request to the view's server before any action.
 #pragma once
 
 #include <cstdint>
@@ -8,21 +8,21 @@
 
 namespace godobject {
 
-/// What the head of a request says, as far as it matters.
+/// Relevant parts of a request's head.
 struct KnockHead {
   std::string_view method, target, host;
   std::optional<std::string_view> origin{};  // absent: not a browser
   bool upgrade = false;                      // to a WebSocket
-  std::string_view protocols{};              // that it offers
+  std::string_view protocols{};              // offered by the client
 };
 
 enum class Route : std::uint8_t { refused, file, scene, frames, stream, foxglove };
 
 struct Verdict {
   Route route = Route::refused;
-  int status = 200;      // of HTTP; 101 where the connection becomes a WebSocket
+  int status = 200;      // of HTTP; 101 if the connection becomes a WebSocket
   std::string path{};    // of a file: "/app.js"
-  std::string reason{};  // of a refusal, for the log and for who asked
+  std::string reason{};  // of a refusal, for the log and the client
 };
 
 /// The subprotocols of WebSockets.
@@ -31,23 +31,24 @@ inline constexpr std::string_view stream_protocol = "godobject.view.v1",
 
 class Door {
  public:
-  /// address: that is listened on; token: that every request for data needs.
+  /// address: address of the listening socket. token: secret that every request for data needs.
   Door(std::string address, std::uint16_t port, std::string token);
 
-  /// Files are for everyone who comes by a name of this machine's own; data needs the token, and, in a browser, a page of
-  /// this server. Foxglove's pages are others, so there the token alone counts.
+  /// Returns the verdict on a request. Files are for every request with a name of this machine. Data needs
+  /// the token and, from a browser, a page of this server. Foxglove's pages have other origins, so there the
+  /// token alone is checked.
   Verdict judge(const KnockHead& head) const;
 
  private:
-  bool knows_host(std::string_view host) const;
+  bool is_own_host(std::string_view host) const;
 
   std::string address_, token_;
   std::uint16_t port_;
   bool loopback_;
 };
 
-/// 32 hexadecimal digits that nobody can guess. From the file `view-token` in the user's run-time folder, made where it is
-/// not there, so that a page finds the next run; where there is no such folder, new each time.
+/// Returns a secret token of 32 hexadecimal digits. It is kept in the file `view-token` in the user's
+/// run-time folder, so that a page finds the next run. Without such a folder it is new each time.
 std::string view_token();
 
 bool is_loopback(std::string_view address);

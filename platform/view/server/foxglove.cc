@@ -12,12 +12,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Between two updates of nets, whose JSON is long.
+/// Interval of updates of nets, because their JSON is long.
 constexpr std::uint64_t net_period_ns = 100'000'000;
 
 enum Channel : std::uint32_t { transforms_channel, scene_channel, num_channels };
 
-// The parts of Foxglove's own schemas that are used.
+// Used parts of Foxglove's own schemas.
 Json number() { return {{"type", "number"}}; }
 Json object(Json properties) { return {{"type", "object"}, {"properties", std::move(properties)}}; }
 Json list(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
@@ -95,7 +95,7 @@ float float_at(std::span<const std::uint8_t> frame, std::size_t place) noexcept 
   return value;
 }
 
-/// A pose of a frame as a transform.
+/// Returns a pose of a frame as a transform.
 Json transform_of(std::span<const std::uint8_t> frame, std::size_t place, const std::string& child,
                   const Json& time) {
   std::array<float, 7> x{};
@@ -107,7 +107,7 @@ Json transform_of(std::span<const std::uint8_t> frame, std::size_t place, const 
           {"rotation", {{"x", x[3]}, {"y", x[4]}, {"z", x[5]}, {"w", x[6]}}}};
 }
 
-/// Opcode, subscription, time, then the text.
+/// Returns opcode, subscription, time and text as one message.
 FoxgloveClient::Bytes message(std::uint32_t subscription, std::uint64_t now_ns, const std::string& text) {
   constexpr std::size_t head_bytes = 13;
   constexpr std::uint8_t message_data = 1;
@@ -124,7 +124,7 @@ struct FoxgloveClient::Scene {
   std::vector<std::size_t> driven;
   Json about;
 
-  /// An entity of this name in this frame, with nothing in it.
+  /// Returns an empty entity of this id in this coordinate frame.
   static Json empty_entity(const Json& time, const Json& frame, const std::string& id) {
     Json entity{{"timestamp", time},
                 {"frame_id", frame},
@@ -137,7 +137,8 @@ struct FoxgloveClient::Scene {
     return entity;
   }
 
-  /// A net: triangles between its nodes, which are in the world. vertices: its own of a frame.
+  /// Returns a net as triangles between its nodes, which are in the world. vertices: the net's own vertices
+  /// in a frame.
   static Json net_entity(const Json& time, const Json& surface, std::span<const std::uint8_t> vertices) {
     Json entity = empty_entity(time, "world", "net " + surface["name"].get<std::string>());
     Json points = Json::array();
@@ -152,7 +153,7 @@ struct FoxgloveClient::Scene {
     return entity;
   }
 
-  /// In the frame of the body, or in the world.
+  /// Returns a solid as an entity, in the frame of its body or in the world.
   Json entity(const Json& time, std::size_t number, const Json& solid) const {
     const bool on_body = !solid["body"].is_null(),
                is_tool =
@@ -213,7 +214,7 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
   const auto complaint = [](const char* why) {
     return Json{{"op", "status"}, {"level", 2}, {"message", why}}.dump();
   };
-  if (!is_text) return complaint("this server takes no messages");
+  if (!is_text) return complaint("this server accepts no binary messages");
   const Json json = Json::parse(message.begin(), message.end(), nullptr, false);
   if (!json.is_object() || !json.contains("op") || !json["op"].is_string())
     return complaint("not a message of foxglove.websocket.v1");
@@ -222,7 +223,7 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
       if (!wanted.is_object() || !wanted.contains("id") || !wanted["id"].is_number_unsigned() ||
           !wanted.contains("channelId") || !wanted["channelId"].is_number_unsigned() ||
           wanted["channelId"] >= num_channels)
-        return complaint("subscribe: there is no such channel");
+        return complaint("subscribe: unknown channel");
       subscriptions_.at(wanted["channelId"].get<std::size_t>()) = wanted["id"].get<std::uint32_t>();
       if (wanted["channelId"] == scene_channel) solids_due_ = true;
     }
@@ -235,7 +236,7 @@ std::string FoxgloveClient::take(bool is_text, std::span<const std::uint8_t> mes
   return "";
 }
 
-/// Entities that are due: solids once, nets ten times a second. What the client does not take stays due.
+/// Sends entities that are due: solids once, nets ten times a second. They stay due while the client is busy.
 void FoxgloveClient::show_entities(std::span<const std::uint8_t> frame, std::uint64_t now_ns,
                                    const std::function<bool(Bytes)>& send) {
   const Json& surfaces = scene_->about["surfaces"];

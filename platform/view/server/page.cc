@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #ifdef GODOBJECT_PAGE_DIR
-// The files as they were built, each with its size.
+// Embeds the built files, each with its size.
 #define GODOBJECT_EMBED(label, file)                                                                 \
   asm(".pushsection .rodata\n.global page_" label "\npage_" label ":\n.incbin \"" GODOBJECT_PAGE_DIR \
       "/" file "\"\n1:\n.balign 8\n.global page_" label "_size\npage_" label                         \
@@ -38,7 +38,7 @@ std::array<Row, 4> rows() noexcept {
 #else
 constexpr std::string_view no_page =
     "This program was built without its page, which needs npm and esbuild:\n"
-    "./dev setup view, then build again. Programs that speak foxglove.websocket.v1 can look on at /stream.\n";
+    "./dev setup view, then build again. Programs with foxglove.websocket.v1 can connect to /stream.\n";
 
 std::array<Row, 1> rows() noexcept { return {{{"/", {no_page, "text/plain; charset=utf-8"}}}}; }
 #endif

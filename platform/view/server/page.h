@@ -1,4 +1,4 @@
-// The page and all that it needs, in the program.
+// The page and all its files, embedded in the program.
 #pragma once
 
 #include <string_view>
@@ -10,9 +10,9 @@ struct PageFile {
   std::string_view type;  // of its contents, for HTTP
 };
 
-/// path: "/", "/app.js".
+/// Returns a file of the page. path: "/", "/app.js".
 PageFile page_file(std::string_view path) noexcept;
-/// The program was built with the page.
+/// True if the program was built with the page.
 bool has_page() noexcept;
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// The parts of the view's server, on Boost.Beast: included by server.cc and nothing else.
+// Classes of the view's server, on Boost.Beast. Included by server.cc only.
 #pragma once
 
 #include <chrono>
@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds request_patience{5}, write_patience{5}, silence_patience{30};
 constexpr std::chrono::milliseconds poll_period{4}, farewell_patience{300};
 constexpr std::size_t max_requests = 64, max_streams = 32, max_waiting = 64;
-/// Lines on the console: so many at once, then one a period, whatever clients do.
+/// Limit of lines on the console: max_lines at once, then one per line_period.
 constexpr int max_lines = 40;
 constexpr std::chrono::duration<double> line_period{10};
 constexpr std::size_t max_line_bytes = 200;
@@ -53,14 +53,15 @@ inline Message text_message(const std::string& text) {
 
 class Hub;
 
-/// A WebSocket. What is late for it is left out, and where it takes nothing for too long it is closed.
+/// A WebSocket. Skips frames for a slow client, and closes the connection if the client accepts no bytes for
+/// too long.
 class Stream : public std::enable_shared_from_this<Stream> {
  public:
   Stream(beast::tcp_stream&& socket, Hub& hub, std::uint64_t id, bool foxglove)
       : socket_(std::move(socket)), hub_(hub), id_(id), foxglove_(foxglove) {}
 
   void accept(const http::request<http::empty_body>& request);
-  /// Left out where the client has not taken what came before: false.
+  /// Sends a frame. Returns false, and sends none, if the client has not accepted the previous ones.
   bool offer(const Message& frame) {
     if (!waiting_.empty()) return false;
     send(frame);
@@ -68,7 +69,7 @@ class Stream : public std::enable_shared_from_this<Stream> {
   }
   void send(const Message& message);
   void close(websocket::close_code code, std::string_view why);
-  /// Without a word.
+  /// Closes the connection without a close message.
   void drop() {
     Error ignored;
     ignored = beast::get_lowest_layer(socket_).socket().close(ignored);
@@ -96,7 +97,7 @@ class Stream : public std::enable_shared_from_this<Stream> {
   std::optional<websocket::close_reason> closing_;
 };
 
-/// A connection that asks for files, or becomes a stream.
+/// A connection that requests files, or becomes a stream.
 class Requests : public std::enable_shared_from_this<Requests> {
  public:
   Requests(tcp::socket&& socket, Hub& hub) : socket_(std::move(socket)), hub_(hub) {}
@@ -136,8 +137,8 @@ class Hub final : public ViewServer {
 
   ViewSource& source() { return source_; }
   const Door& door() const { return *door_; }
-  /// Prints the same line at most once a second, and all of them as max_lines and line_period allow; the number of those
-  /// left out is printed with the next.
+  /// Prints a line within the limits: the same one at most once a second, and all as max_lines and
+  /// line_period allow. The number of suppressed lines is printed with the next one.
   void log(const std::string& line);
   void forget(const Requests* requests) {
     std::erase_if(requests_, [=](const auto& r) { return r.get() == requests; });

@@ -1,4 +1,4 @@
-// The only source that sees Boost, with server_parts.h.
+// HTTP and WebSocket server on Boost, which is included by parts.h alone.
 #include "platform/view/server/server.h"
 
 #include <algorithm>
@@ -50,12 +50,12 @@ void Stream::take(Error error) {
     JointsMessage joints;
     const bool of_joints = socket_.got_binary() && decode(bytes, joints) == ParseResult::ok;
     if (!of_joints && (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok)) {
-      hub_.log("a client was closed: what it sent is no pointer's message");
-      return close(websocket::close_code::policy_error, "that is no pointer's message");
+      hub_.log("a client was closed: it sent no valid pointer message");
+      return close(websocket::close_code::policy_error, "this is no valid pointer message");
     }
     ViewSource& source = hub_.source();
     if (!(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
-      hub_.log("a pointer was not listened to: --view-input is not given, or another moves it");
+      hub_.log("a pointer message was ignored: --view-input is not given, or another client moves the tool");
   }
   buffer_.consume(buffer_.size());
   read();
@@ -149,7 +149,7 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
   };
   set("Content-Type", type);
   set("Cache-Control", "no-store");
-  set("Referrer-Policy", "no-referrer");  // the address has the token
+  set("Referrer-Policy", "no-referrer");  // because the address contains the token
   set("X-Content-Type-Options", "nosniff");
   set("Cross-Origin-Resource-Policy", "same-origin");
   set("Content-Security-Policy",
@@ -165,7 +165,8 @@ void Requests::reply(int status, std::string_view type, std::string_view body) {
   });
 }
 
-/// Part of a line that a terminal shows as it is: clients choose some of the words.
+/// Returns the line with at most max_line_bytes, and without control characters, because clients choose some
+/// of its words.
 std::string for_console(std::string line) {
   if (line.size() > max_line_bytes) line.replace(max_line_bytes, line.npos, "...");
   std::ranges::replace_if(
@@ -195,7 +196,7 @@ std::string Hub::listen() {
     door_.emplace(settings_.address, port_, settings_.token);
     return "";
   }
-  return "--view: nothing can listen on " + settings_.address + ", port " + std::to_string(first) +
+  return "--view: cannot listen on " + settings_.address + ", port " + std::to_string(first) +
          (last > first ? " to " + std::to_string(last) : std::string()) + ": " + error.message() +
          ". Give another port: --view PORT";
 }
@@ -236,11 +237,11 @@ void Hub::say_farewell() {
 void Hub::accept() {
   acceptor_.async_accept([this](Error error, tcp::socket socket) {
     if (ending_) return;
-    if (error) {  // out of descriptors: not at once again
+    if (error) {  // out of descriptors: retried later
       accept_timer_.expires_after(std::chrono::milliseconds(100));
       return accept_timer_.async_wait([this](Error) { accept(); });
     }
-    if (requests_.size() >= max_requests) {  // who has come first has had his time
+    if (requests_.size() >= max_requests) {  // drops the oldest request
       log("a request was dropped: more than " + std::to_string(max_requests) + " at a time");
       requests_.front()->drop();
       requests_.pop_front();
@@ -254,7 +255,7 @@ void Hub::accept() {
 
 void Hub::upgrade(beast::tcp_stream&& socket, const http::request<http::empty_body>& request, bool foxglove) {
   if (streams_.size() >= max_streams)
-    return log("a client was refused: more than " + std::to_string(max_streams) + " look on");
+    return log("a client was refused: more than " + std::to_string(max_streams) + " are connected");
   streams_.push_back(std::make_shared<Stream>(std::move(socket), *this, next_id_++, foxglove));
   streams_.back()->accept(request);
 }
@@ -292,9 +293,9 @@ void Hub::feed() {
   const auto of_day = std::chrono::system_clock::now().time_since_epoch();
   const auto now_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(of_day).count());
   for (auto next = streams_.begin(); next != streams_.end();) {
-    const std::shared_ptr<Stream> stream = *next++;  // it may be forgotten
+    const std::shared_ptr<Stream> stream = *next++;  // the stream may be removed below
     if (stream->is_stalled(now)) {
-      log("a client was closed: it has taken nothing for " + std::to_string(write_patience.count()) + " s");
+      log("a client was closed: it accepted no bytes for " + std::to_string(write_patience.count()) + " s");
       stream->drop();
     } else if (FoxgloveClient* const foxglove = stream->foxglove()) {
       if (frame)

@@ -1,7 +1,5 @@
-// The view's server: HTTP and WebSockets on one thread of its own, for what a source shows. Nothing of it is in the loop.
-//
-// The room: door.h says who may see it, page.h is what a browser is given, foxglove.h what Foxglove is, latest.h the newest of
-// what the loop offers; absent.cc stands in for it all where there is no Boost.
+// Server of the view: HTTP and WebSockets on a thread of its own, for a source of frames. Not part of the
+// loop.
 #pragma once
 
 #include <cstdint>
@@ -25,31 +23,34 @@ struct ServerSettings {
 
 using ViewBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-/// What is shown. The server's thread calls it, and no other.
+/// Source of the scene and its frames. Called only by the server's thread.
 class ViewSource {
  public:
   virtual ~ViewSource() = default;
 
   /// The scene as JSON (docs/view.md): the first message of every stream.
   virtual std::string scene() = 0;
-  /// A recording's frames one after the other; null: it is live.
+  /// All frames of a recording, one after the other; null for a live source.
   virtual ViewBytes recording() { return nullptr; }
-  /// The next frame; null: there is none yet. Called every few milliseconds while somebody looks.
+  /// The next frame; null if there is none yet. Called every few milliseconds while a client is connected.
   virtual ViewBytes frame() { return nullptr; }
-  /// What a client's pointer says. False: pointers move nothing here, or somebody else's does.
+  /// Applies a message of a client's pointer. Returns false if pointers move no bodies here, or another
+  /// client's pointer does.
   virtual bool point(std::uint64_t /*client*/, const PointerMessage& /*message*/) { return false; }
-  /// Applies a page's shifts of joints. False: joints are not moved by pages here, or another page moves them.
+  /// Applies a page's displacements of joints. Returns false if pages move no joints here, or another page
+  /// moves them.
   virtual bool move_joints(std::uint64_t /*client*/, const JointsMessage& /*message*/) { return false; }
-  /// The client is gone.
+  /// Releases the bodies or joints of a client that is gone.
   virtual void leave(std::uint64_t /*client*/) {}
 };
 
 class ViewServer {
  public:
-  /// Takes a line about who was refused or has come. In the server's thread.
+  /// Receives a line about clients that were refused or closed. Called in the server's thread.
   using Log = std::function<void(const std::string&)>;
 
-  /// Listens, with its thread. Null: why not, and what to do. The source outlives it.
+  /// Listens and starts the thread. Returns null with the reason and the remedy in why_not. The source must
+  /// outlive the server.
   static std::unique_ptr<ViewServer> start(const ServerSettings& settings, ViewSource& source, Log log,
                                            std::string& why_not);
   virtual ~ViewServer() = default;

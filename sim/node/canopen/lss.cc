@@ -52,7 +52,7 @@ std::optional<Message> SimLss::answer(const Message& request, const lss::Identit
   }
 }
 
-// The four numbers of the identity must come in their order; the last one that fits selects.
+// True if the request completes a selection: the four identity numbers arrive in order and match.
 bool SimLss::selects(const Message& request, const lss::Identity& own) noexcept {
   const std::array wanted{own.vendor, own.product, own.revision, own.serial};
   const std::size_t which = request[0] - static_cast<std::size_t>(Command::select_vendor);

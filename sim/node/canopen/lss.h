@@ -1,4 +1,4 @@
-// The LSS slave of a simulated node (CiA 305): node-ID and bit rate set over the bus.
+// LSS slave of a simulated node (CiA 305): node-ID and bit rate set over the bus.
 #pragma once
 
 #include "hal/canopen/lss.h"
@@ -9,14 +9,15 @@ class SimLss {
  public:
   explicit SimLss(std::uint8_t node_id) noexcept : pending_{.node_id = node_id}, stored_(pending_) {}
 
-  /// The answer to a master's message, if it has one.
+  /// Returns the answer to a master's message, if any.
   std::optional<lss::Message> answer(const lss::Message& request, const lss::Identity& own) noexcept;
 
-  /// In effect from the next reset of the communication on.
+  /// Returns the node-ID in effect after the next communication reset.
   std::uint8_t node_id() const noexcept { return pending_.node_id; }
-  /// Index in the table of CiA 305, in effect from activation on. The simulated wire keeps its rate.
+  /// Returns the index in the table of CiA 305, in effect after activation. The simulated wire keeps its
+  /// rate.
   std::uint8_t bit_timing() const noexcept { return active_bit_timing_; }
-  /// What has not been stored is forgotten.
+  /// Restores the stored settings.
   void power_cycle() noexcept;
 
  private:
@@ -30,7 +31,7 @@ class SimLss {
   lss::Mode mode_ = lss::Mode::waiting;
   Settings pending_, stored_;
   std::uint8_t active_bit_timing_ = 0;
-  std::size_t matched_ = 0;  // selective: of the four numbers, in their order
+  std::size_t matched_ = 0;  // number of matched identity numbers, in order
 };
 
 }  // namespace godobject

@@ -79,7 +79,7 @@ Nanoseconds SimCanopenNode::local_time(Nanoseconds now) const noexcept {
   return local_origin_ns_ + std::llround(clock_rate_ * static_cast<double>(now - origin_ns_));
 }
 
-// Never too early: at this time local_time() has reached `local`.
+// Returns the bus time of a local time, rounded up: at this time local_time() has reached `local`.
 Nanoseconds SimCanopenNode::bus_time(Nanoseconds local) const noexcept {
   if (local == never) return never;
   const double elapsed_ns = static_cast<double>(local - local_origin_ns_) / clock_rate_;
@@ -288,7 +288,7 @@ void SimCanopenNode::write_stored(const SdoStep& step) noexcept {
   static_cast<void>(objects_.write(step.address, used));
 }
 
-// The object dictionary.
+// Object dictionary.
 
 sdo::AbortCode SimCanopenNode::may_write(ObjectAddress address, std::int64_t value) noexcept {
   for (const SimPdo& pdo : pdos_) {
@@ -305,7 +305,7 @@ void SimCanopenNode::on_written(ObjectAddress address, std::int64_t value) noexc
     heartbeat_period_ns_ = ms * value;
     t_heartbeat_ns_ = value > 0 ? now_ns_ + heartbeat_period_ns_ : never;
   }
-  if (address.index == 0x1016) t_host_lost_ns_ = never;  // begins with the next heartbeat
+  if (address.index == 0x1016) t_host_lost_ns_ = never;  // starts with the next heartbeat
   on_object_written(address, value);
 }
 

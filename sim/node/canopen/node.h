@@ -1,7 +1,5 @@
-// A simulated CANopen slave: boot-up, network management, heartbeats, SYNC, SDO, PDOs, LSS. Devices derive
-// from it.
-//
-// The room: object_dictionary.h is what it can be asked for, sdo_server.h, pdo.h and lss.h are what it answers to.
+// Simulated CANopen slave: boot-up, network management, heartbeats, SYNC, SDO, PDOs, LSS. Base class of
+// devices.
 #pragma once
 
 #include <deque>
@@ -15,20 +13,20 @@
 
 namespace godobject {
 
-/// What a simulated device's settings are after power-up.
+/// Settings of a simulated device after power-up.
 enum class SimDefaults : std::uint8_t {
-  rig,      // those the rig expects: it works without being commissioned
-  factory,  // those of a device out of its box: other mapping, event-driven PDOs, no heartbeat
+  rig,      // settings that the rig expects: works without commissioning
+  factory,  // factory settings: other mapping, event-driven PDOs, no heartbeat
 };
 
-/// Sends its boot-up message with the first tick after power-up or a reset and is then pre-operational.
-/// SDO is answered in all NMT states but stopped, PDOs are exchanged in operational only. What is written to
-/// the object dictionary is in effect at once, what CiA 301 says of resets undoes it. A message that the bus
-/// refuses is not repeated, the bus counts it; only the boot-up message waits for a bus that takes it.
+/// Sends its boot-up message at the first tick after power-up or a reset, then is pre-operational. Answers
+/// SDO in all NMT states but stopped, exchanges PDOs in operational only. Written objects are effective at
+/// once; resets restore them as CiA 301 specifies. A message refused by the bus is not repeated, the bus
+/// counts it. Only the boot-up message waits until the bus accepts it.
 class SimCanopenNode : public SimNode, private ObjectObserver {
  public:
-  /// bus: must outlive the node and be opened by the caller. heartbeat_period_ns 0: no heartbeat. Allocates,
-  /// and so do add_pdo and what adds objects; nothing later does.
+  /// bus: opened by the caller, outlives the node. heartbeat_period_ns: ns; 0: no heartbeat. Allocates, as
+  /// add_pdo, store and adding objects do; no other function does.
   SimCanopenNode(CanBus& bus, std::uint8_t node_id, Nanoseconds heartbeat_period_ns);
   SimCanopenNode(const SimCanopenNode&) = delete;
   SimCanopenNode& operator=(const SimCanopenNode&) = delete;
@@ -37,19 +35,19 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
   void on_frame(const CanFrame& frame, Nanoseconds now) noexcept;
   void tick(Nanoseconds now) noexcept;
   Nanoseconds next_timer() const noexcept override;
-  /// Off and on again: everything is as after power-up, but the LSS settings that were stored.
+  /// Power-cycles the node: restores the power-up state except for stored LSS settings.
   void power_cycle(Nanoseconds now) noexcept override;
 
-  /// The device reports an error: EMCY with this code. What else it does is the device's.
+  /// Sends an EMCY with this code. Devices may add further reactions.
   void trip(std::uint16_t error_code) noexcept override {
     send(canopen::make_emergency({.node = node_id_, .error_code = error_code, .error_register = 0x01}));
   }
   void set_clock_error(double ppm, Nanoseconds now) noexcept override;
 
-  /// Becomes the device that a profile's [identity] is of. The high word of 1000h stays. Set-up.
+  /// Takes the identity in a profile's [identity]. Keeps the high word of 1000h. Set-up.
   void identify_as(std::span<const ProfileObject> identity) noexcept;
-  /// As if these had been written and stored (1010h) before: in effect from each power-up and reset on. What
-  /// reads, and 1017h, is left out: no two simulated nodes send their heartbeats in step. Allocates.
+  /// Stores steps as if written and saved (1010h) before: effective after each power-up and reset. Skips
+  /// reading steps and 1017h, so that no two simulated nodes send heartbeats in phase. Allocates.
   void store(std::vector<SdoStep> steps);
 
   std::uint8_t node_id() const noexcept override { return node_id_; }
@@ -61,7 +59,7 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
  protected:
   void send(const CanFrame& frame) noexcept { static_cast<void>(bus_.try_send(frame)); }
   bool is_operational() const noexcept { return nmt_state_ == canopen::NmtState::operational; }
-  /// 1000h, 1008h and 1018h. Of the device's constructor, as add_pdo.
+  /// Sets 1000h, 1008h and 1018h. For constructors of devices, as add_pdo.
   void identify(std::uint32_t device_type, std::string name, const lss::Identity& identity);
   void add_pdo(SimPdoDefault power_up);
   const SimPdo* find_pdo(PdoDirection direction, int number) const noexcept;
@@ -69,15 +67,16 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
  private:
   virtual void on_pdo(const CanFrame&, Nanoseconds) noexcept {}  // a frame that is none of the node's PDOs
   virtual void on_rpdo_received(int /*number*/, Nanoseconds) noexcept {}
-  virtual void on_rpdo(int /*number*/, Nanoseconds) noexcept {
-  }                                                   // its values are in the dictionary, in effect
-  virtual void on_nmt_state(Nanoseconds) noexcept {}  // the state has just changed
-  virtual void on_reset() noexcept {}                 // reset node: objects from 2000h are as at power-up
-  virtual void on_heartbeat_lost(Nanoseconds) noexcept {}  // of the node in 1016h
+  // called when its values are in the dictionary and in effect
+  virtual void on_rpdo(int /*number*/, Nanoseconds) noexcept {}
+  virtual void on_nmt_state(Nanoseconds) noexcept {}  // called after a change of state
+  // reset node: objects from 2000h on have power-up values
+  virtual void on_reset() noexcept {}
+  virtual void on_heartbeat_lost(Nanoseconds) noexcept {}  // heartbeat of the node in 1016h
   virtual void on_tick(Nanoseconds) noexcept {}
   virtual Nanoseconds device_timer() const noexcept { return never; }
-  virtual void sample() noexcept {}  // brings objects that show what happens now up to date
-  // A write by SDO to an object of the device.
+  virtual void sample() noexcept {}  // updates objects that show present values
+  // Checks an SDO write to an object of the device.
   virtual sdo::AbortCode may_write_object(canopen::ObjectAddress, std::int64_t) noexcept {
     return sdo::AbortCode::none;
   }
@@ -113,9 +112,9 @@ class SimCanopenNode : public SimNode, private ObjectObserver {
   Object* consumer_ = nullptr;  // 1016h:01
   Nanoseconds heartbeat_period_ns_ = 0;
   Nanoseconds t_heartbeat_ns_ = never;
-  Nanoseconds t_host_lost_ns_ = never;  // once the host has been heard (CiA 301 7.2.8.2.2.2)
-  Nanoseconds now_ns_ = 0;              // of the frame or tick at hand
-  // The node's clock: it ran at the bus's time until it showed local_origin_ns_ at origin_ns_.
+  Nanoseconds t_host_lost_ns_ = never;  // runs after the host's first heartbeat (CiA 301 7.2.8.2.2.2)
+  Nanoseconds now_ns_ = 0;              // time of the present frame or tick
+  // Clock of the node: it showed local_origin_ns_ at bus time origin_ns_ and runs at clock_rate_ since then.
   double clock_rate_ = 1;
   Nanoseconds origin_ns_ = 0, local_origin_ns_ = 0;
 };

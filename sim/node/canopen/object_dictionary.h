@@ -1,4 +1,4 @@
-// The object dictionary of a simulated CANopen node: what SDO reads and writes, and what PDOs map.
+// Object dictionary of a simulated CANopen node: read and written by SDO, mapped by PDOs.
 #pragma once
 
 #include <map>
@@ -16,18 +16,18 @@ struct Object {
   bool mappable = false;
   std::int64_t value = 0;          // within its type
   std::int64_t power_up = 0;       // value after a reset
-  std::int64_t low = 0, high = 0;  // admissible in a write
-  std::string text{};              // of ObjectType::text
+  std::int64_t low = 0, high = 0;  // admissible range of a write
+  std::string text{};              // for ObjectType::text
 };
 
-/// Asked before a value is written by SDO, told after it.
+/// Called before and after an SDO write.
 class ObjectObserver {
  public:
   virtual ~ObjectObserver() = default;
-  /// Type, access and range are right already. AbortCode::none lets it pass.
+  /// Returns AbortCode::none to accept the value. Type, access and range were checked.
   virtual sdo::AbortCode may_write(canopen::ObjectAddress address, std::int64_t value) noexcept = 0;
   virtual void on_written(canopen::ObjectAddress address, std::int64_t value) noexcept = 0;
-  /// Objects that show what happens now are brought up to date.
+  /// Updates objects that show present values.
   virtual void before_read() noexcept = 0;
 };
 
@@ -35,27 +35,27 @@ class ObjectDictionary {
  public:
   explicit ObjectDictionary(ObjectObserver& observer) noexcept : observer_(observer) {}
 
-  // Set-up: allocates. The reference stays valid as long as the dictionary. Ranges are those of the type.
+  // Set-up: allocates. References stay valid during the life of the dictionary. Ranges are those of the type.
   Object& add(canopen::ObjectAddress address, canopen::ObjectType type, ObjectAccess access,
               std::int64_t value = 0);
   Object& add_text(canopen::ObjectAddress address, std::string text);
-  /// Read-write and mappable.
+  /// Adds a mappable object, by default read-write.
   Object& add_mappable(canopen::ObjectAddress address, canopen::ObjectType type,
                        ObjectAccess access = ObjectAccess::read_write, std::int64_t value = 0);
 
-  /// Objects of index first..last get the value they were added with.
+  /// Restores the initial values of the objects of index first..last.
   void reset(std::uint16_t first, std::uint16_t last) noexcept;
 
-  /// Null where there is none.
+  /// Returns the object; null if it does not exist.
   Object* find(canopen::ObjectAddress address) noexcept;
   const Object* find(canopen::ObjectAddress address) const noexcept;
-  /// 0 where there is none.
+  /// Returns the value; 0 if the object does not exist.
   std::int64_t value(canopen::ObjectAddress address) const noexcept;
 
-  /// What an SDO upload does: bytes to `out`, their number to `size`; a value that has no room is cut.
+  /// Performs an SDO upload: bytes to `out`, their number to `size`; a value longer than `out` is truncated.
   sdo::AbortCode read(canopen::ObjectAddress address, std::span<std::uint8_t> out,
                       std::size_t& size) noexcept;
-  /// What an SDO download does.
+  /// Performs an SDO download.
   sdo::AbortCode write(canopen::ObjectAddress address, std::span<const std::uint8_t> bytes) noexcept;
 
  private:

@@ -1,5 +1,5 @@
-// A PDO of a simulated node: its communication and mapping records in the object dictionary, with the rules
-// of CiA 301 7.5.2 on changing them, and the frames they make.
+// PDO of a simulated node: its communication and mapping records in the object dictionary, the rules of CiA
+// 301 7.5.2 for changing them, and its frames.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace godobject {
 
-/// Transmission type: when the object changes, or as the event timer says (CiA 301).
+/// Transmission type: sent when an object changes or by the event timer (CiA 301).
 inline constexpr std::uint8_t event_driven = 255;
 
-/// What a PDO is after power-up.
+/// Configuration of a PDO after power-up.
 struct SimPdoDefault {
   PdoDirection direction = PdoDirection::transmit;
   int number = 1;  // 1..4
@@ -24,10 +24,10 @@ struct SimPdoDefault {
 
 class SimPdo {
  public:
-  /// Adds the records to `objects`, which outlives the PDO; the mapped objects must be there.
+  /// Adds the records to `objects`, which outlives the PDO and must contain the mapped objects.
   SimPdo(ObjectDictionary& objects, SimPdoDefault power_up);
 
-  /// Back to what it is after power-up.
+  /// Restores the power-up configuration.
   void reset(std::uint8_t node_id) noexcept;
 
   PdoDirection direction() const noexcept { return power_up_.direction; }
@@ -39,19 +39,20 @@ class SimPdo {
   Nanoseconds timer_ns() const noexcept { return 1'000'000 * timer_ms_->value; }
   std::uint8_t size() const noexcept { return size_; }
 
-  /// The mapped objects' values.
+  /// Packs the values of the mapped objects.
   CanFrame pack() const noexcept;
-  /// Into the mapped objects; the frame has size() bytes.
+  /// Writes a frame of size() bytes into the mapped objects.
   void unpack(const CanFrame& frame) noexcept;
 
-  /// The abort code of a write to an object of this PDO's records; none where it is allowed, and for other objects.
+  /// Returns the abort code of a write to an object of this PDO's records; AbortCode::none if allowed or not
+  /// its object.
   sdo::AbortCode may_write(canopen::ObjectAddress address, std::int64_t value) const noexcept;
-  /// True when the object belongs to this PDO's records.
+  /// Returns true if the object belongs to this PDO's records.
   bool on_written(canopen::ObjectAddress address) noexcept;
 
   // State of the node's timers.
   int syncs_since_sent = 0;
-  Nanoseconds t_timer_ns = 0;  // of the next event
+  Nanoseconds t_timer_ns = 0;  // time of the next event
   CanFrame pending;            // an RPDO that waits for SYNC
   bool has_pending = false;
 
@@ -67,7 +68,7 @@ class SimPdo {
   SimPdoDefault power_up_;
   Object *cob_id_, *transmission_, *inhibit_, *timer_ms_, *count_;
   std::array<Object*, max_mapped_objects> entries_{};
-  std::array<Object*, max_mapped_objects> mapped_{};  // the first count_ of them
+  std::array<Object*, max_mapped_objects> mapped_{};  // the first count_ are used
   std::uint8_t size_ = 0;                             // bytes
 };
 

@@ -25,7 +25,7 @@ Message SdoServer::initiate_download(const Message& request) noexcept {
   if (initiation.expedited) {
     std::span<const std::uint8_t> bytes = sdo::expedited_data(request);
     const Object* object = objects_.find(address_);
-    // Without a size the object's own counts.
+    // without a size, that of the object is used
     if (!initiation.size_given && object != nullptr)
       bytes = bytes.first(std::min(bytes.size(), canopen::size_of(object->type)));
     const AbortCode code = objects_.write(address_, bytes);

@@ -1,4 +1,5 @@
-// The SDO server of a simulated node (CiA 301 7.2.4.3): expedited and segmented, one client, no blocks.
+// SDO server of a simulated node (CiA 301 7.2.4.3): expedited and segmented transfers, one client, no block
+// transfer.
 #pragma once
 
 #include <optional>
@@ -9,13 +10,13 @@ namespace godobject {
 
 class SdoServer {
  public:
-  static constexpr std::size_t capacity = 256;  // bytes of a transfer
+  static constexpr std::size_t capacity = 256;  // bytes per transfer
 
   explicit SdoServer(ObjectDictionary& objects) noexcept : objects_(objects) {}
 
-  /// The answer to a client's message; an abort of the client's has none.
+  /// Returns the answer to a client's message; none to an abort.
   std::optional<sdo::Message> answer(const sdo::Message& request) noexcept;
-  /// Forgets a transfer under way.
+  /// Drops a running transfer.
   void reset() noexcept { transfer_ = Transfer::none; }
 
  private:

@@ -45,7 +45,7 @@ ContactStage drawn_stage(Random& random) {
   ContactStage stage{.relaxing = random.uniform(0, 1e-3)};
   if (random.integer(0, 1) > 0) stage.t_0 = random.uniform(0, 1e-3);
   if (random.integer(0, 1) > 0) {
-    stage.goes_on = true;
+    stage.continues_step = true;
     stage.t_1 = random.uniform(0, 1e-3);
     stage.follows = random.integer(0, 2) == 0;
     stage.is_euler = random.integer(0, 2) == 0;
@@ -90,23 +90,23 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
     const StageLawOf<Pack> law = gathered(drawn.laws);
     const Vector3<Pack> n_W = in_lanes(Column(drawn.near[0].n_W), Column(drawn.near[1].n_W),
                                        Column(drawn.near[2].n_W), Column(drawn.near[3].n_W));
-    const BegunContactOf<Pack> begun =
+    const InitialContactOf<Pack> initial =
         recalled<Pack>(law, stage, four(drawn.of_step), four(drawn.of_stage),
                        {.n_W = n_W, .d_0 = lanes(drawn.d_0), .closed = lanes(drawn.closed)});
     const Vector3<Pack> F_W = in_lanes(Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())),
                                        Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())));
     const Pack d = random.uniform(-1e-3, 2e-3);
     const ContactPastOf<Pack> next = carried_over<Pack>(
-        {.xi_W = begun.xi_W, .e = begun.e, .kept = law.kept, .given = law.given, .F_n = begun.F_n}, h, n_W, d,
-        F_W);
+        {.xi_W = initial.xi_W, .e = initial.e, .kept = law.kept, .given = law.given, .F_n = initial.F_n}, h,
+        n_W, d, F_W);
     for (std::size_t j = 0; j < 4; ++j) {
-      const BegunContactOf<Real> one =
+      const InitialContactOf<Real> one =
           recalled<Real>(drawn.laws[j], stage, past(drawn.of_step[j]), past(drawn.of_stage[j]),
                          {.n_W = drawn.near[j].n_W, .d_0 = drawn.d_0[j], .closed = drawn.closed[j]});
-      expect_near(lane(begun.xi_W, j), one.xi_W, 1e-3);
-      expect_near(begun.e[j], one.e, 1e-2);
-      expect_near(begun.F_n[j], one.F_n, 10);
-      expect_near(begun.found[j], one.found, drawn.laws[j].k * 1e-4);
+      expect_near(lane(initial.xi_W, j), one.xi_W, 1e-3);
+      expect_near(initial.e[j], one.e, 1e-2);
+      expect_near(initial.F_n[j], one.F_n, 10);
+      expect_near(initial.found[j], one.found, drawn.laws[j].k * 1e-4);
       known += one.F_n >= 0;
       const ContactPastOf<Real> end = carried_over<Real>({.xi_W = one.xi_W,
                                                           .e = one.e,
@@ -148,11 +148,11 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
         laws_of(near, law, of_stage, its_law, [&](const ContactLaw&) { return of_stage; });
     Recall step(memories), stage_before(memories);
     ContactPack pack;
-    BegunPack begun;
+    InitialMemoryPack initial;
     None none;
     begin_four(near, laws, near.sides(0), near.all(&NearContact::p_W), h, {.relaxing = h}, step, stage_before,
-               none, begun, pack);
-    foresee<false>(pack, SpatialVector::zero());
+               none, initial, pack);
+    predict<false>(pack, SpatialVector::zero());
     ContactSums sums;
     add<false>(pack, h, sums);
     const SymmetricSpatialMatrix A = total(sums);
@@ -164,7 +164,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
     }
     ContactMemories<32> next{};
     move(pack, SpatialVector::zero());
-    carry_over(near, near.sides(0), h, begun, pack, next);
+    carry_over(near, near.sides(0), h, initial, pack, next);
     EXPECT_EQ(next.size, size);
   }
 }
@@ -188,16 +188,16 @@ TEST(FourAtATime, OfANewContactOnlyWhatAnExtrapolationMeasuredIsPressed) {
     const ContactMemories<32> nothing{};
     Recall step(nothing), stage_before(nothing);
     ContactPack pack;
-    BegunPack begun;
+    InitialMemoryPack initial;
     None none;
     const Pack found =
         begin_four(near, gathered({of_stage, of_stage, of_stage, of_stage}), near.sides(0),
-                   near.all(&NearContact::p_W), h, stage, step, stage_before, none, begun, pack);
+                   near.all(&NearContact::p_W), h, stage, step, stage_before, none, initial, pack);
     EXPECT_NEAR(found[0], law.push_out * law.push_out * 1e-5 / 2, 1e-15);
-    return begun.e[0];
+    return initial.e[0];
   };
   const Real stored = of_stage.max_stored_penetration;
-  const ContactStage second{.t_1 = h, .relaxing = h, .goes_on = true};
+  const ContactStage second{.t_1 = h, .relaxing = h, .continues_step = true};
   EXPECT_EQ(begun_in(second), 0);
   ContactStage after_euler = second;
   after_euler.is_euler = true;

@@ -199,7 +199,7 @@ TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
   const ContactPastOf<Real> of_step{
       .xi_W = Vec3(1e-4, 0, 0), .xi_dot_W = none, .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0},
       of_stage{.xi_W = xi_W, .xi_dot_W = Vec3(1, 1, 0), .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0};
-  const ContactStage stage{.t_1 = 1e-4, .goes_on = true, .is_euler = true};
+  const ContactStage stage{.t_1 = 1e-4, .continues_step = true, .is_euler = true};
   EXPECT_EQ(recalled<Real>({.k = 1000}, stage, of_step, of_stage, {.n_W = n_W, .d_0 = 0, .closed = 0}).xi_W,
             xi_W);
 }

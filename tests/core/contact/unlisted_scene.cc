@@ -7,7 +7,7 @@ struct Untouched {
   static constexpr std::size_t max_bodies = 3;
   using Integrator = TrBdf2;
   using Device = PoseDevice;
-  using Joints = TreeJoints<JointStops, ImposedJoints>;
+  using Joints = TreeJoints<JointStops, PrescribedJoints>;
   using Coupling = DampedSpring;
   using Feedback = LimitedFeedback;
 };

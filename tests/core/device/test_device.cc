@@ -48,10 +48,10 @@ TEST(DeviceRamp, AGapThatIsTooLongToBeBridgedEndsTheEngagement) {
     run.device().valid = true;
     run.device().target.X_WD.p = Vec3(0.1, 0, 0);
     run.step();
-    const bool anew = gap > bridged_steps;
+    const bool reengages = gap > bridged_steps;
     EXPECT_TRUE(has(run.out.limited, Limited::ramp)) << "of the feedback at least, " << gap;
-    EXPECT_EQ(run.x.bodies[0].device.ramp.s, anew ? 0 : 1) << gap;
-    EXPECT_EQ((run.body().X_WB.p - before).norm() < 1e-9, anew) << gap;
+    EXPECT_EQ(run.x.bodies[0].device.ramp.s, reengages ? 0 : 1) << gap;
+    EXPECT_EQ((run.body().X_WB.p - before).norm() < 1e-9, reengages) << gap;
   }
 }
 

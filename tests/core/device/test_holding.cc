@@ -284,9 +284,9 @@ TYPED_TEST(Holding, AfterALongGapItTakesHoldAnew) {
   game.step();
   EXPECT_EQ(game.pull().f.norm(), 0);
   EXPECT_TRUE(has(game.out.limited, Limited::ramp));
-  const Pose again = game.x.bodies[0].device.X_DB;
-  EXPECT_GT((first.p - again.p).norm(), 0.05);
-  EXPECT_LE((again.p - game.grip().p).norm(), 1e-12);
+  const Pose long_gap = game.x.bodies[0].device.X_DB;
+  EXPECT_GT((first.p - long_gap.p).norm(), 0.05);
+  EXPECT_LE((long_gap.p - game.grip().p).norm(), 1e-12);
 }
 
 /// From one body to another, in one step or with steps between: each is as if the other were not there.
@@ -333,13 +333,13 @@ TYPED_TEST(Holding, ReplaysBitForBit) {
   const Game<TypeParam, 2> copy = game;
   play(game, 1000, 2000);
   const std::uint64_t hash = state_hash(game.par, game.x);
-  Game<TypeParam, 2> again;
-  again.x = copy.x;
-  again.in = copy.in;
-  play(again, 1000, 2000);
-  EXPECT_EQ(state_hash(again.par, again.x), hash);
-  again.x.bodies[0].device.X_DB.p.x() += 1e-15;
-  EXPECT_NE(state_hash(again.par, again.x), hash) << "the grip is part of the state";
+  Game<TypeParam, 2> long_gap;
+  long_gap.x = copy.x;
+  long_gap.in = copy.in;
+  play(long_gap, 1000, 2000);
+  EXPECT_EQ(state_hash(long_gap.par, long_gap.x), hash);
+  long_gap.x.bodies[0].device.X_DB.p.x() += 1e-15;
+  EXPECT_NE(state_hash(long_gap.par, long_gap.x), hash) << "the grip is part of the state";
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace godobject::test_imposed {
 namespace {
 
-using Imposing = TreeJoints<None, ImposedJoints>;
+using Imposing = TreeJoints<None, PrescribedJoints>;
 
 /// Coordinates of a joint of a kind that can be imposed.
 JointCoordinates coordinates(JointKind kind, const JointFrames& X) {
@@ -55,8 +55,8 @@ TEST(ImposableJoints, CoordinatesAndTheirFramesAreInverse) {
 }
 
 template <class I>
-class Imposed : public ::testing::Test {};
-TYPED_TEST_SUITE(Imposed, BothIntegrators);
+class Prescribed : public ::testing::Test {};
+TYPED_TEST_SUITE(Prescribed, BothIntegrators);
 
 /// A bar on one imposed joint, its centre 0.1 m along x.
 template <class I>
@@ -69,7 +69,7 @@ class ImposedBar : public Running<Articulated<I, Imposing>> {
     BodyParams<S>& b = this->par.bodies[0];
     b.joint.kind = kind;
     b.joint.C.p = Vec3(-0.1, 0, 0);
-    b.joint.lead.imposed = true;
+    b.joint.motion.prescribed = true;
     b.body = rigid_body(0.5, Vec3(1e-3, 2e-3, 3e-3).asDiagonal());
     b.device = ramp;
     place<S>(this->x, 0, {.X_WB = {.p = Vec3(0.1, 0, 0), .q = Quat::Identity()}, .V_WB = {}});
@@ -82,7 +82,7 @@ class ImposedBar : public Running<Articulated<I, Imposing>> {
 };
 
 /// Every kind along a sine, from rest.
-TYPED_TEST(Imposed, EveryKindFollowsItsCoordinates) {
+TYPED_TEST(Prescribed, EveryKindFollowsItsCoordinates) {
   for (const JointKind kind : imposable) {
     ImposedBar<TypeParam> bar(kind, 1e-3);
     bar.par.gravity_W = Vec3(1, -2, -9.81);
@@ -107,7 +107,7 @@ class ImposedGrasper : public GrasperTool<I, Imposing> {
  public:
   explicit ImposedGrasper(Real h) : GrasperTool<I, Imposing>({.h = h}) {
     for (const std::size_t i : {left_jaw, right_jaw}) {
-      this->par.bodies[i].joint.lead.imposed = true;
+      this->par.bodies[i].joint.motion.prescribed = true;
       this->par.bodies[i].coupling = {};  // the jaw needs none
     }
   }
@@ -125,7 +125,7 @@ class ImposedGrasper : public GrasperTool<I, Imposing> {
   }
 };
 
-TYPED_TEST(Imposed, JawsOfTheGrasperFollowTheDevice) {
+TYPED_TEST(Prescribed, JawsOfTheGrasperFollowTheDevice) {
   ImposedGrasper<TypeParam> tool(1e-3);
   Real worst_error = 0;
   Drift joints;
@@ -165,7 +165,7 @@ TEST(ImposedJaws, AreSecondOrderWithTrBdf2) {
 }
 
 /// A bar held out level: the joint carries its weight, and the torque of it about the anchor.
-TYPED_TEST(Imposed, ReactionHoldsTheLoad) {
+TYPED_TEST(Prescribed, ReactionHoldsTheLoad) {
   ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3);
   bar.par.gravity_W = Vec3(0.3, -9.81, 0.7);
   engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
@@ -179,7 +179,7 @@ TYPED_TEST(Imposed, ReactionHoldsTheLoad) {
 }
 
 /// Taken up at other coordinates than the joint's: still at first, there with the end of the ramp.
-TYPED_TEST(Imposed, RampStartsWithoutAJumpAndEndsAtTheDevice) {
+TYPED_TEST(Prescribed, RampStartsWithoutAJumpAndEndsAtTheDevice) {
   ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3, {.rise = 0.2, .lost = 0.02});
   bar.sample().q[0] = 0.8;
   bar.step();
@@ -195,7 +195,7 @@ TYPED_TEST(Imposed, RampStartsWithoutAJumpAndEndsAtTheDevice) {
 }
 
 /// A device that turns on and on gives its angle within [-pi, pi]: nothing happens where it starts again.
-TYPED_TEST(Imposed, GoesOnThroughTheHalfTurn) {
+TYPED_TEST(Prescribed, GoesOnThroughTheHalfTurn) {
   ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3);
   engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   bar.body().w_B.z() = 2;
@@ -222,7 +222,7 @@ ImposedBar<I> bar_in_motion() {
   return bar;
 }
 
-TYPED_TEST(Imposed, LostSamplesAndReleaseHoldTheCoordinate) {
+TYPED_TEST(Prescribed, LostSamplesAndReleaseHoldTheCoordinate) {
   for (const bool lost : {true, false}) {
     ImposedBar<TypeParam> bar = bar_in_motion<TypeParam>();
     bar.in.devices[0].valid = !lost;
@@ -240,7 +240,7 @@ TYPED_TEST(Imposed, LostSamplesAndReleaseHoldTheCoordinate) {
   }
 }
 
-TYPED_TEST(Imposed, NotANumberIsAFaultThatLosesNothing) {
+TYPED_TEST(Prescribed, NotANumberIsAFaultThatLosesNothing) {
   ImposedBar<TypeParam> bar = bar_in_motion<TypeParam>(), undisturbed = bar;
   const JointMotionSample good = bar.sample();
   for (Real* bad : {&bar.sample().q[0], &bar.sample().q_dot[1]}) {

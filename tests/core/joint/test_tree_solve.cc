@@ -128,7 +128,7 @@ class RandomTree {
       Node& n = nodes_[k];
       ArticulatedBody& a = bodies[k];
       const bool hangs = n.parent != world;
-      set_off(a, {.w = Column(n.beta.w), .v = Column(n.beta.v)});
+      add_bias(a, {.w = Column(n.beta.w), .v = Column(n.beta.v)});
       if (n.turns == 3) {
         eliminate_turns(a);
         if (hangs) add_mass_to_parent(a, Column(n.d), bodies[n.parent]);

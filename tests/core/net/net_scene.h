@@ -25,7 +25,7 @@ struct NetScene {
 /// With the parts that the program's scenes with nets have: joints, stops, imposed joints and feedback.
 template <class I>
 struct JointedNetScene : NetScene<I> {
-  using Joints = TreeJoints<JointStops, ImposedJoints>;
+  using Joints = TreeJoints<JointStops, PrescribedJoints>;
   using Feedback = LimitedFeedback;
 };
 

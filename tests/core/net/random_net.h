@@ -143,7 +143,7 @@ struct RandomNet : Running<NetScene<I>> {
     }
     surround(random);
     place_net(par.net, this->x);
-    set_off(random);
+    add_bias(random);
     for (std::size_t i = 0; i < par.num_bodies; ++i)
       if (of.ordeal != Ordeal::free) {
         engage_at(this->x, i, Target{.X_WD = this->in.devices[i].target.X_WD, .V_WD = {}});
@@ -195,7 +195,7 @@ struct RandomNet : Running<NetScene<I>> {
     }
   }
 
-  void set_off(Random& random) {
+  void add_bias(Random& random) {
     auto& nodes = this->x.net.nodes;
     const std::size_t num = this->par.net.num_nodes;
     if (of.ordeal == Ordeal::inside_out) {

@@ -20,7 +20,7 @@ struct Drawn {
   Real k = 0, m = 0, k_s = 0, zeta = 0, h = 0, anchors = 0;
   std::array<Real, 4> body_m{};
   int cap = 12, kinds = 0;
-  Real hung = 0;  // what dampers are made for, kg; 0: a node
+  Real relative_motion = 0;  // what dampers are made for, kg; 0: a node
   bool on_carrier = true, damped = false, pulled_out = false;
 
   std::string text() const {
@@ -65,10 +65,10 @@ struct Sweep : Running<AttachedNetScene<I>> {
     of.cap = 12;
     of.anchors = std::max(of.anchors, Real(0.1));
     of.zeta = std::max(of.zeta, Real(0.2));
-    of.hung = of.m + of.body_m[1] + of.body_m[2] + of.body_m[3];
+    of.relative_motion = of.m + of.body_m[1] + of.body_m[2] + of.body_m[3];
     constexpr Real omega_sq = 200 * 200;  // 1/s^2
-    of.k_s = std::max(of.k_s, omega_sq * of.hung);
-    of.k = std::max(of.k, omega_sq * of.hung / of.anchors);
+    of.k_s = std::max(of.k_s, omega_sq * of.relative_motion);
+    of.k = std::max(of.k, omega_sq * of.relative_motion / of.anchors);
     if ((of.kinds & 2) != 0) of.kinds |= 4;
   }
 
@@ -86,7 +86,7 @@ struct Sweep : Running<AttachedNetScene<I>> {
       par.bodies[i].device.rise = 0;
       this->in.devices[i] = {};
     }
-    const Real m = std::max(of.hung, of.m), held = of.body_m[0] + (of.damped ? 49 * m : 0);
+    const Real m = std::max(of.relative_motion, of.m), held = of.body_m[0] + (of.damped ? 49 * m : 0);
     const Real k = 900 * held * random.log_uniform(1, 100);
     par.bodies[0].coupling = {.k = k,
                               .g = 1.4 * std::sqrt(k * held),

@@ -9,8 +9,8 @@ namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
 
-/// 500 Hz messages of a clock that is `drift` too slow, with a delay of 1 ms and more: exponential jitter of 0.3 ms, and
-/// for `late_from` to `late_to` another 20 ms.
+/// Messages at 500 Hz of a clock that is slow by `drift`. Their delay is 1 ms plus an exponential jitter of
+/// 0.3 ms, and from `late_from` to `late_to` another 20 ms.
 struct Source {
   double drift = 0;
   Nanoseconds late_from = 0, late_to = 0;
@@ -26,7 +26,7 @@ struct Source {
   }
 };
 
-/// Largest error of the mapped time, beyond the constant delay of 1 ms, after the first seconds.
+/// Returns the largest error of the mapped time, beyond the constant delay of 1 ms, after the first seconds.
 double worst_us(Source source, int seconds) {
   ClockMap map;
   double worst = 0;

@@ -20,7 +20,7 @@ Bytes encoded(const Bytes& payload) {
   return out;
 }
 
-/// What comes of every byte that ends something.
+/// Results of all bytes that end a frame.
 struct Decoded {
   std::vector<Bytes> frames;
   int cut_off = 0, too_large = 0;

@@ -21,7 +21,7 @@ TEST(StampClock, DelayOfArrivalDoesNotShow) {
   EXPECT_EQ(clock.to_local(1 * ms, 100 * s + 4 * ms), 100 * s + 1 * ms + 1 * ms / StampClock::drift_divisor);
 }
 
-// A crystal that is 50 ppm off, frames every millisecond, delayed by an exponential of 100 us: an hour of it.
+// A crystal off by 50 ppm, with frames every millisecond, delayed by an exponential of 100 us, for an hour.
 TEST(StampClock, FollowsADriftingClock) {
   for (const double drift : {50e-6, -50e-6}) {
     StampClock clock;

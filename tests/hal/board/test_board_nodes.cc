@@ -1,4 +1,4 @@
-// An encoder board as the nodes that a rig sees.
+// An encoder board as the nodes of a rig.
 #include "hal/board/nodes.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
 
-/// A board at 1 kHz with two channels: one at rest, one that runs evenly. Its clock is that of the host.
+/// A board at 1 kHz with two channels: one at rest, one at constant speed. Its clock is that of the host.
 class BoardNodesTest : public testing::Test {
  protected:
   void frame() {
@@ -24,7 +24,7 @@ class BoardNodesTest : public testing::Test {
     std::array<std::uint8_t, max_encoder_wire> wire{};
     nodes_.receive(make_encoder_frame(frame, wire), now_);
   }
-  /// A millisecond with a frame at its beginning, and what came from the nodes in it.
+  /// Runs milliseconds with a frame at the start of each; returns the frames of the nodes.
   std::vector<ReceivedFrame> run(int num = 1, bool with_frames = true) {
     std::vector<ReceivedFrame> got;
     for (const Nanoseconds end = now_ + num * ms; now_ < end;) {
@@ -117,7 +117,7 @@ TEST_F(BoardNodesTest, SilentWhenTheBoardIs) {
   EXPECT_EQ(count(run(1), canopen::tpdo_cob_id(1, 1)), 1) << "still operational";
 }
 
-/// Its counts begin anew: the rig has to hear of it.
+/// Its counts start again, so the rig must be informed.
 TEST_F(BoardNodesTest, ABoardThatRebootsIsANodeThatReboots) {
   run(3);
   nodes_.send(canopen::make_nmt(canopen::NmtCommand::start, 0), now_);

@@ -89,7 +89,7 @@ TEST(EncoderBoard, NoCorruptedFrameIsTaken) {
       wire[at] = static_cast<std::uint8_t>(wire[at] ^ flip);
       EncoderBoard board;
       EXPECT_FALSE(board.receive(wire, 0)) << at << " ^ " << flip;
-      // The next frames are read: the first ends what the corrupted one left open.
+      // Reads the next frames; the first one ends the corrupted frame.
       static_cast<void>(board.receive(wire_of(frame_at(6)), ms));
       EXPECT_TRUE(board.receive(wire_of(frame_at(7)), 2 * ms));
       EXPECT_EQ(board.frame().counts[0], 2);

@@ -1,4 +1,5 @@
-// The sketch of docs/encoder-board, run here: pins that a turning encoder moves, a clock, and the host at the other end.
+// The sketch of docs/encoder-board, compiled for the host: pins moved by a turning encoder, a clock, and the
+// receiver.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -16,7 +16,7 @@ struct Line {
   std::optional<BusState> state;
 };
 
-// The frames that Linux's slcan, sja1000 and can-dev drivers make.
+// Frames as made by Linux's slcan, sja1000 and can-dev drivers.
 TEST(CanError, NamesWhatTheDriversReport) {
   const Line lines[] = {
       {"warning", 0x204, {0, 0x0C, 0, 0, 0, 0, 96, 96}, BusError::none, BusState::error_warning},

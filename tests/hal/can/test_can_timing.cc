@@ -13,7 +13,7 @@ CanFrame frame_of(std::uint8_t size, bool extended = false, bool fd = false) {
   return {.id = 0, .extended = extended, .fd = fd, .bit_rate_switch = fd, .size = size};
 }
 
-// An independent count: the bits as text, CRC by polynomial long division, stuffing by scanning the text.
+// Counts independently: the bits as text, CRC by polynomial long division, stuffing by scanning the text.
 std::string binary(std::uint32_t value, int width) {
   std::string out;
   for (int i = width - 1; i >= 0; --i) out += ((value >> i) & 1u) != 0 ? '1' : '0';
@@ -105,7 +105,7 @@ TEST(CanTiming, ExactLengthAgreesWithAnIndependentCount) {
     frame.id = static_cast<std::uint32_t>(random()) & (frame.extended ? 0x1FFFFFFFu : 0x7FFu);
     frame.remote = random() % 8 == 0;
     frame.size = static_cast<std::uint8_t>(random() % 9);
-    // Long runs of equal bits are where stuffing goes wrong.
+    // Long runs of equal bits, which are critical for stuffing.
     for (std::uint8_t& byte : frame.data) {
       byte = static_cast<std::uint8_t>(random() % 3 == 0 ? random() : (random() % 2) * 255);
     }

@@ -157,7 +157,7 @@ TEST(Candump, ReadsWhatNewerCandumpsWrite) {
   EXPECT_EQ(result_of("(1.000000)     "), CandumpResult::bad_interface);
 }
 
-// 90 s of a real car's bus, as candump wrote it.
+// 90 s of a real car's bus, as written by candump.
 TEST(Candump, ReadsAndWritesARealRecording) {
   const std::filesystem::path path = test::shared_file("data/can/vehicle/can_sample.log");
   if (path.empty()) GTEST_SKIP() << "no data/can/vehicle/can_sample.log under ../shared or GODOBJECT_SHARED";

@@ -1,4 +1,4 @@
-// Real CiA 402 drives on real buses decode to what the README of the recordings tells.
+// Recordings of real CiA 402 drives on real buses decode to the values in their README.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,7 +14,8 @@ namespace {
 
 using cia402::DriveState;
 
-/// Lines "  can0  184   [7]  18 02 ...": candump's terminal format, without time stamps. Others are left out.
+/// Reads lines "  can0  184   [7]  18 02 ...": candump's terminal format, without time stamps. Skips other
+/// lines.
 std::vector<CanFrame> read_terminal_candump(const std::filesystem::path& path) {
   std::vector<CanFrame> frames;
   std::ifstream file(path);
@@ -33,7 +34,7 @@ std::vector<CanFrame> read_terminal_candump(const std::filesystem::path& path) {
 
 class RecordedCan : public ::testing::Test {
  protected:
-  /// False: the recording is not there, and the test skips.
+  /// Returns false if the recording is missing; the test is then skipped.
   bool load(const char* name) {
     const std::filesystem::path path = test::shared_file(name);
     if (path.empty()) return false;
@@ -75,7 +76,7 @@ TEST_F(RecordedCan, RobotrainerDriveIsResetAndEnabled) {
                                  DriveState::ready_to_switch_on, DriveState::switched_on}));
   for (const std::uint16_t word : statuswords) EXPECT_TRUE(word & cia402::status_remote);
 
-  // The next command of our own state machine is the one the recorded master gave, in the bits that count.
+  // Our state machine's next command equals that of the recorded master, in the bits that matter.
   std::uint16_t last = 0;
   for (std::size_t i = 0; i < controlwords.size(); ++i) {
     constexpr std::uint16_t command_bits = 0x8F;
@@ -83,7 +84,7 @@ TEST_F(RecordedCan, RobotrainerDriveIsResetAndEnabled) {
     const bool fault_reset = (controlwords[i] & cia402::fault_reset_bit) != 0;
     if (fault_reset) {
       EXPECT_EQ(ours & cia402::fault_reset_bit, cia402::fault_reset_bit);
-    } else {  // 0x0E asks for "shutdown" as 0x06 does: bit 3 does not matter to it
+    } else {  // 0x0E commands "shutdown" as 0x06 does: bit 3 is ignored
       EXPECT_EQ(ours | 0x08, (controlwords[i] & command_bits) | 0x08) << i;
     }
     last = ours;
@@ -106,8 +107,8 @@ TEST_F(RecordedCan, RobotrainerDriveIsResetAndEnabled) {
   }
 }
 
-// An idle motor: four RPDOs and two TPDOs between SYNCs, the latter all zero, and a node 1 that complains of a PDO
-// that is too long.
+// An idle motor: four RPDOs and two TPDOs between SYNCs, the latter all zero, and emergencies of node 1 about
+// a PDO that is too long.
 TEST_F(RecordedCan, RoboteqDriveIdles) {
   if (!load("data/can/roboteq_cia402/candump.txt"))
     GTEST_SKIP() << "no recording: ../shared/data/can/roboteq_cia402 is not there";

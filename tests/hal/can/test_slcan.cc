@@ -1,4 +1,4 @@
-// The SLCAN codec: golden lines, what it refuses, round trips, and any bytes at all.
+// The SLCAN codec: golden lines, refusals, round trips, and random bytes.
 #include "hal/can/slcan.h"
 
 #include <gtest/gtest.h>

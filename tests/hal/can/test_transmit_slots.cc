@@ -13,7 +13,7 @@ using testing::IsEmpty;
 
 constexpr Nanoseconds ms = 1'000'000;
 
-/// Takes as many frames as it has room for.
+/// A bus that accepts `room` frames.
 class NarrowBus final : public CanBus {
  public:
   bool open() noexcept override { return true; }
@@ -31,7 +31,7 @@ class NarrowBus final : public CanBus {
   BusState state() const noexcept override { return bus_state; }
   BusCounters counters() const noexcept override { return {}; }
 
-  /// Identifier and first byte, as one number.
+  /// Returns identifier and first byte as one number for each sent frame.
   std::vector<std::uint32_t> take_sent() {
     std::vector<std::uint32_t> out;
     for (const CanFrame& frame : sent) out.push_back(frame.id << 8 | frame.data[0]);
@@ -82,7 +82,7 @@ TEST_F(Paced, TheNewestCommandTakesThePlaceOfTheOneThatWaits) {
   EXPECT_EQ(bus.counters().send_refused, 0u);
 }
 
-// The room comes with the new command: the old one must not use it.
+// Space appears with the new command; the old one must not use it.
 TEST_F(Paced, AStaleCommandDoesNotLeaveBeforeTheNewOne) {
   send(0x201, 1);
   wire.room = 1;
@@ -99,7 +99,7 @@ TEST_F(Paced, TheQueueKeepsItsOrderAndGoesFirst) {
   send(0x000, 5);
   wire.room = 10;
   ReceivedFrame ignored;
-  EXPECT_FALSE(bus.try_receive(ignored));  // any call offers what waits
+  EXPECT_FALSE(bus.try_receive(ignored));  // any call offers the waiting frames
   EXPECT_THAT(wire.take_sent(), ElementsAre(0x60102, 0x60104, 0x00005, 0x20103, 0x20201));
   EXPECT_EQ(bus.transmit_counters().retried, 5u);
 }
@@ -118,9 +118,9 @@ TEST_F(Paced, AFullQueueSaysSo) {
   for (std::uint8_t i = 0; i < PacedCanBus::queue_capacity; ++i) send(0x601, i);
   send(0x601, 99, SendResult::full);
   EXPECT_EQ(bus.counters().send_refused, 1u);
-  send(0x201, 1);  // a slot is free all the same
+  send(0x201, 1);  // a slot is free nevertheless
   wire.room = 1;
-  send(0x601, 100);  // its elder has just left
+  send(0x601, 100);  // the earlier one has just left
   EXPECT_THAT(wire.take_sent(), ElementsAre(0x60100));
   EXPECT_EQ(bus.waiting(), PacedCanBus::queue_capacity + 1);
 }
@@ -172,8 +172,8 @@ TEST_F(Paced, SlotsAreLimitedAndUnique) {
   EXPECT_FALSE(bus.add_slot(0x400, ms));
 }
 
-// Whatever a bus does: each accepted frame is sent once, dropped and counted, or still waits; per identifier the order
-// of values stays.
+// For any behaviour of the bus: each accepted frame is sent once, dropped and counted, or waits; each
+// identifier keeps its order.
 TEST_F(Paced, EveryFrameIsAccountedFor) {
   std::mt19937 random(3);
   std::uint64_t accepted = 0, sent = 0;
@@ -191,7 +191,7 @@ TEST_F(Paced, EveryFrameIsAccountedFor) {
       EXPECT_GE(value, last[f.id]);
       last[f.id] = value + 1;
       if (f.id == 0x201) {
-        EXPECT_LE(i - value, 4);  // good for a millisecond
+        EXPECT_LE(i - value, 4);  // valid for a millisecond
       }
       ++sent;
     }

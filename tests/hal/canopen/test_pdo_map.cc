@@ -104,7 +104,7 @@ TEST(PdoMap, WhatAPdoCannotCarryIsAnError) {
   pdo.map.push_back(parse_mapped_object("mode").value());
   EXPECT_THAT(map_error(pdo), testing::HasSubstr("72 bits"));
   pdo.map.clear();
-  EXPECT_THAT(map_error(pdo), testing::HasSubstr("maps nothing"));
+  EXPECT_THAT(map_error(pdo), testing::HasSubstr("maps no object"));
   pdo.map.assign(9, parse_mapped_object("mode").value());
   EXPECT_THAT(map_error(pdo), testing::HasSubstr("9 objects"));
 }

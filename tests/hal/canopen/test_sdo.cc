@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint8_t node = 9;
 constexpr Nanoseconds ms = 1'000'000;
 
-/// Keeps what is sent; can be full.
+/// A bus that stores sent frames; can be full.
 class Recorder final : public CanBus {
  public:
   bool open() noexcept override { return true; }
@@ -51,7 +51,7 @@ CanFrame response(std::initializer_list<unsigned> bytes) {
 }
 
 struct Dialogue {
-  /// The request that is sent next, in hexadecimal; empty when none is.
+  /// Returns the next request in hexadecimal; empty if there is none.
   std::string request(Nanoseconds now = 0) {
     bus.sent.clear();
     client.poll(now, bus);
@@ -171,7 +171,7 @@ TEST(Sdo, ObjectLargerThanTheBufferIsAborted) {
   EXPECT_EQ(d.request(), "80 50 1F 01 05 00 04 05");
 }
 
-// A server that does not say how much is to come cannot write beyond the buffer either.
+// A server that does not indicate the size cannot write beyond the buffer either.
 TEST(Sdo, EndlessSegmentsEnd) {
   Dialogue d;
   ASSERT_TRUE(d.client.read({0x1F50, 1}));
@@ -273,7 +273,7 @@ TEST(Sdo, AnAbortWithIndexZeroIsOfTheTransferUnderWay) {
   EXPECT_TRUE(d.answer({0x80, 0, 0, 0, 0x00, 0x00, 0x02, 0x06}));
   EXPECT_EQ(d.client.state(), TransferState::aborted);
   EXPECT_EQ(d.client.abort_code(), AbortCode::no_object);
-  // A second answer to a request that was repeated belongs to no other transfer.
+  // A second answer to a repeated request belongs to no other transfer.
   ASSERT_TRUE(d.client.read({0x60C2, 1}));
   d.request(0);
   d.request(40 * ms);
@@ -332,7 +332,7 @@ TEST(Sdo, ALateAnswerAmongSegmentsDisturbsThemNot) {
   d.request(0);
   d.request(40 * ms);
   d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});
-  d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});  // before the segment has been asked for
+  d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});  // before the segment was requested
   EXPECT_EQ(d.request(41 * ms), "60 00 00 00 00 00 00 00");
   d.answer({0x41, 0x08, 0x10, 0x00, 3, 0, 0, 0});  // and after
   EXPECT_TRUE(d.client.busy());
@@ -383,7 +383,7 @@ TEST(Sdo, EveryAbortCodeOfTheStandardHasItsText) {
   EXPECT_STREQ(text_of(AbortCode{0x12345678}), "not in CiA 301: see the device's manual");
 }
 
-// Any bytes in any state: nothing is written out of bounds (the sanitizers watch), and a transfer ends.
+// Random bytes in any state: no write out of bounds (checked by the sanitizers), and every transfer ends.
 TEST(Sdo, SurvivesAnyAnswer) {
   std::uint32_t random = 1;
   const auto next = [&random] { return random = random * 1664525u + 1013904223u; };

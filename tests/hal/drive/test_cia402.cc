@@ -20,7 +20,7 @@ TEST(Cia402, DecodesStatesWhateverTheOtherBitsSay) {
     EXPECT_EQ(decode_state(bits | 0xFF90), state);
     EXPECT_EQ(encode_state(state), bits);
   }
-  // Bit 5 does not matter to the states whose mask is 4Fh.
+  // Bit 5 is ignored in the states with mask 4Fh.
   EXPECT_EQ(decode_state(0x60), DriveState::switch_on_disabled);
   EXPECT_EQ(decode_state(0x28), DriveState::fault);
   EXPECT_EQ(decode_state(0x01), DriveState::unknown);

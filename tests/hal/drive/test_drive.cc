@@ -57,7 +57,7 @@ TEST(Drive, SlewsFromWhatWasSent) {
   EXPECT_DOUBLE_EQ(command.order.torque_Nm, 0.01);
   EXPECT_TRUE(command.rate_limited);
   EXPECT_FALSE(command.torque_limited);
-  command = drive.plan(-1.5, DriveGoal::hold, 0);  // the first one never left
+  command = drive.plan(-1.5, DriveGoal::hold, 0);  // the first one was never sent
   EXPECT_DOUBLE_EQ(command.order.torque_Nm, 0.01);
   drive.sent(command, 0);
   EXPECT_DOUBLE_EQ(drive.plan(-1.5, DriveGoal::hold, 0).order.torque_Nm, 0.02);

@@ -1,4 +1,4 @@
-// moteus sub-frames: the example of its documentation, what the rig sends, and any bytes at all.
+// moteus sub-frames: the example of its documentation, the frames of the rig, and random bytes.
 #include "hal/drive/moteus.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// CAN Simple: the bytes, and the way of a drive to enabled.
+// CAN Simple: the bytes, and the enabling of a drive.
 #include "hal/drive/odrive.h"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ class OdriveLinkTest : public testing::Test {
   DriveMessage heartbeat(std::uint8_t axis_state, std::uint32_t error = 0) {
     return link.decode(odrive::make_heartbeat(node, {.error = error, .axis_state = axis_state}), telemetry);
   }
-  /// Id of what is sent towards `goal` now; 0: nothing.
+  /// Returns the id of the frame sent towards `goal`; 0 if none.
   std::uint32_t command(DriveGoal goal, double torque_Nm = 0) {
     const DriveFrame out = link.command({.goal = goal, .torque_Nm = torque_Nm}, now);
     if (out.frame) link.sent(out, now);
@@ -105,7 +105,7 @@ class OdriveLinkTest : public testing::Test {
 };
 
 TEST_F(OdriveLinkTest, ModeThenStateThenTorque) {
-  EXPECT_EQ(command(DriveGoal::enable), 0u);  // it has not been heard
+  EXPECT_EQ(command(DriveGoal::enable), 0u);  // no message was received from it
   EXPECT_TRUE(heartbeat(odrive::axis_idle).alive);
   EXPECT_EQ(telemetry.state, MotorState::off);
   EXPECT_EQ(command(DriveGoal::hold), 0x0AEu);  // feeds the watchdog

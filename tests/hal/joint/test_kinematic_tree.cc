@@ -18,8 +18,8 @@ constexpr std::size_t num_joints = 8;
 
 std::string numbered(const char* stem, std::size_t i) { return std::string(stem).append(std::to_string(i)); }
 
-// Hinges and sliders with oblique axes and frames; branches from a joint, from its child and from the base;
-// handles on leaves and on links with children.
+// Hinges and sliders with oblique axes and frames. There are branches from a joint, from its child and from
+/// the base, and handles on leaves and on links with children.
 KinematicTreeParams oblique_tree() {
   KinematicTreeParams tree;
   tree.X_WB = {Vec3(0.1, -0.2, 0.3), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))};
@@ -62,8 +62,8 @@ std::vector<Wrench> random_wrenches(std::mt19937& random, std::size_t n) {
   return F;
 }
 
-/// Equation (9) as the paper has it, on links of its own kinematics: each link hands its wrench to its
-/// parent, from the leaves up; what a joint feels is then projected on its axis.
+/// Equation (9) as in the paper, on links with independent kinematics. Each link passes its wrench to its
+/// parent, from the leaves up; each joint's wrench is then projected on its axis.
 class LeavesUp {
  public:
   LeavesUp(const KinematicTreeParams& tree, const JointVector& q) : tree_(tree) {

@@ -56,7 +56,7 @@ TEST_F(SyncAttributionTest, AnyFrameInFlightDelaysSync) {
   EXPECT_EQ(answer.t_ns, sync_end_ns);
 
   syncs.sync_queued(3 * ms);
-  EXPECT_EQ(frame_from(3 * ms - 20 * us).t_ns, sync_end_ns);  // a late one has that time too
+  EXPECT_EQ(frame_from(3 * ms - 20 * us).t_ns, sync_end_ns);  // a late one gets the same time
 }
 
 TEST_F(SyncAttributionTest, AFrameThatEndedBeforeSyncWasQueuedDelaysNothing) {
@@ -66,8 +66,8 @@ TEST_F(SyncAttributionTest, AFrameThatEndedBeforeSyncWasQueuedDelaysNothing) {
   EXPECT_EQ(frame_from(2 * ms + 60 * us).t_ns, 2 * ms + sync_ns);
 }
 
-// Both frames are stamped when the host gets to read them: the answer stays an answer to the last SYNC, and
-// its sample is not younger than the answer.
+// Both frames are stamped when the host reads them. The answer still belongs to the last SYNC, and its sample
+// is not younger than the answer.
 TEST_F(SyncAttributionTest, LateStampsNeverMoveAnAnswerToTheSyncBefore) {
   syncs.sync_queued(ms);
   syncs.sync_queued(2 * ms);

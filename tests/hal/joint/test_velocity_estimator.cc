@@ -19,7 +19,8 @@ struct Errors {
   double difference_rms = 0;
 };
 
-// Errors of the estimator and of plain differences on a quantised x(t), after the window has filled.
+// Returns the errors of the estimator and of plain differences on a quantised x(t), after the window has
+// filled.
 Errors errors_on(const std::function<double(double)>& x, const std::function<double(double)>& x_dot,
                  int samples) {
   VelocityEstimator estimator(quantum);

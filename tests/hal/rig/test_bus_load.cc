@@ -91,7 +91,7 @@ TEST(BusLoad, CountsCanFdAtBothRates) {
   }
 }
 
-// 23 % of a torque command and an estimate, 5.5 % for asking, and what the drive sends by itself.
+// 23 % for a torque command and an estimate, 5.5 % for the request, and the drive's own messages.
 TEST(BusLoad, CountsAnOdrivesRequest) {
   RigParams rig = rig_of(0, 1);
   rig.drives[0].protocol = DriveProtocol::odrive;

@@ -1,4 +1,4 @@
-// The rig against a scripted bus: what is sent, how frames are attributed, how faults come up.
+// The rig against a scripted bus: sent frames, attribution of frames, and faults.
 #include "hal/rig/rig.h"
 
 #include <gtest/gtest.h>
@@ -98,7 +98,7 @@ class RigTest : public testing::Test {
     ASSERT_EQ(rig.state(), RigState::ready) << rig.fault_text();
     ASSERT_TRUE(rig.arm());
   }
-  // The drive does what it is told one cycle later.
+  // Makes the drive follow its controlword one cycle later.
   void follow_controlword() {
     if (drive_is_dead) return;
     for (const CanFrame& frame : bus.sent) {
@@ -222,7 +222,7 @@ TEST_F(RigTest, RefusedSyncIsNotOneThatWentUnanswered) {
   bus.full = true;
   rig.sync(now);
   bus.full = false;
-  receive(cia406::make_position(1, 7), now + answer_ns);  // a second answer to the SYNC before
+  receive(cia406::make_position(1, 7), now + answer_ns);  // a second answer to the previous SYNC
   finish_cycle();
   EXPECT_EQ(rig.counters().syncs, syncs);
   EXPECT_EQ(rig.counters().repeated, 1u);
@@ -349,7 +349,7 @@ TEST_F(RigTest, QuickStopIsAskedForUntilTheFaultIsCleared) {
   EXPECT_EQ(last_command.controlword, cia402::enable_operation);
 }
 
-/// Three periods without a good sample: the pose is held. A hundred milliseconds: a fault.
+/// After three periods without a good sample the pose is held; after 100 ms it is a fault.
 TEST_F(RigTest, AGapInTheSamplesIsNoFaultBeforeLostAfter) {
   boot_and_arm();
   for (const bool encoder : {true, false})
@@ -395,7 +395,7 @@ TEST_F(RigTest, OneSpikeIsOneInvalidSampleThreeAreAFault) {
   encoder_counts = 5000;
   cycles(3);
   EXPECT_EQ(rig.faults(), RigFault::sample_implausible);
-  // the sensor agrees with itself from there on, but its jump leads no tool
+  // the sensor is consistent from there on, but its jump must not move the tool
   cycles(100);
   EXPECT_FALSE(sample.valid);
   rig.clear_faults(now);

@@ -1,4 +1,4 @@
-// Frames that come twice, as bridges, gateways and faults make them.
+// Duplicate frames, as made by bridges, gateways and faults.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr Nanoseconds us = 1000;
 
-/// Takes everything, gives what it is told.
+/// Accepts all frames, and delivers the scripted ones.
 class ScriptedBus final : public CanBus {
  public:
   bool open() noexcept override { return true; }
@@ -52,7 +52,7 @@ TEST(RigCopies, LateCopyOfAnAnswerIsNoJump) {
   EXPECT_EQ(rig.encoder(0).counters().implausible, 0u);
 }
 
-// As above, with the position of a drive that alone measures its joint.
+// As above, with the position of a drive that is the only sensor of its joint.
 TEST(RigCopies, LateCopyOfADrivesAnswerIsNoJump) {
   RigParams params = test::arm_rig_params();
   std::erase_if(params.encoders, [&](const EncoderParams& e) { return e.joint == params.drives[0].joint; });

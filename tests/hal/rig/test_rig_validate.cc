@@ -64,11 +64,11 @@ const BrokenRule broken_rules[] = {
     {"node_id is 200, must be 1..127", [](RigParams& r) { r.drives[1].node_id = 200; }},
     {"is the host's own", [](RigParams& r) { r.drives[0].node_id = 127; }},
     {"bus index is 2, the rig has 2 buses", [](RigParams& r) { r.drives[0].bus = 2; }},
-    {"joint 'pitch': nothing measures it", [](RigParams& r) { r.drives.pop_back(); }},
+    {"joint 'pitch': has no sensor", [](RigParams& r) { r.drives.pop_back(); }},
     {"joint 'yaw': has 2 encoders",
      [](RigParams& r) { r.encoders.push_back({.joint = "yaw", .node_id = 9}); }},
     {"joint 'yaw': has 2 drives", [](RigParams& r) { r.drives[1].joint = "yaw"; }},
-    {"joint 'pitch': name must be given, and only once",
+    {"joint 'pitch': name must be given and unique",
      [](RigParams& r) { r.tree.joints.push_back({.name = "pitch"}); }},
     {"axis must have unit length", [](RigParams& r) { r.tree.joints[0].axis_J = Vec3(1, 1, 0); }},
     {"handle of body 'tool': pose must be finite",
@@ -81,10 +81,10 @@ const BrokenRule broken_rules[] = {
     {"joint 'yaw': parent is 'pitch', must be an earlier joint or 'base'",
      [](RigParams& r) { r.tree.joints[0].parent = "pitch"; }},
     {"joint 'pitch': parent is 'pitch', must be", [](RigParams& r) { r.tree.joints[1].parent = "pitch"; }},
-    {"joint 'base': is what the base is called", [](RigParams& r) { r.tree.joints[0].name = "base"; }},
+    {"joint 'base': is the reserved name of the base", [](RigParams& r) { r.tree.joints[0].name = "base"; }},
     {"the device has 0 handles, must be 1..8", [](RigParams& r) { r.tree.handles.clear(); }},
     {"the device has 9 handles, must be 1..8", [](RigParams& r) { r.tree.handles.resize(9); }},
-    {"handle of body 'tool': body must be given, and only once",
+    {"handle of body 'tool': body must be given and unique",
      [](RigParams& r) { r.tree.handles.push_back({.body = "tool", .joint = "yaw"}); }},
     {"handle of body '': body must be given", [](RigParams& r) { r.tree.handles[0].body = ""; }},
     {"handle of body 'tool': the device has no joint 'base'",
@@ -133,7 +133,7 @@ const BrokenRule broken_rules[] = {
      [](RigParams& r) { r.buttons = {{.node_id = 1}}; }},
     {"button of node 5: bit is 8, must be 0..7",
      [](RigParams& r) { r.buttons = {{.node_id = 5, .bit = 8}}; }},
-    {"button of node 5: bit 3 is another button too",
+    {"button of node 5: bit 3 is used by another button",
      [](RigParams& r) {
        r.buttons = {{.node_id = 5, .bit = 3}, {.node_id = 5, .bit = 3}};
      }},
@@ -142,7 +142,7 @@ const BrokenRule broken_rules[] = {
     {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},
     {"status_every_nth_sync is 241", [](RigParams& r) { r.drives[0].status_every_nth_sync = 241; }},
     {"max_slip is -1, must be >= 0", [](RigParams& r) { r.drives[0].max_slip = -1; }},
-    {"max_slip compares it with an encoder on its joint, which has none",
+    {"max_slip needs an encoder on its joint",
      [](RigParams& r) {
        r.encoders.erase(r.encoders.begin());
        r.drives[0].max_slip = 0.01;

@@ -1,4 +1,4 @@
-// What counts as a force that swings between its bounds, and what does not.
+// Forces that oscillate between their bounds, and forces that do not.
 #include "hal/rig/swing_watch.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double T = 1e-3, bound = 10, rate = 500;  // s, N, N/s: the defaults
 
-/// A wish, bounded as the core bounds it, watched. s until it is said to swing.
+/// Watches a desired force, bounded as by the core. Returns the time until oscillation is detected, s.
 template <class Wish>
 std::optional<double> noticed_after(double duration_s, Wish wish, double period_s = T) {
   SwingWatch watch(bound, rate, period_s);
@@ -62,7 +62,7 @@ TEST(SwingWatch, AHandThatMovesAt10HzAtTheRateLimitIsNotChatter) {
 }
 
 TEST(SwingWatch, TappingAStiffWallIsNotChatter) {
-  // eight taps a second, 30 ms of contact each, with a ringing of 120 Hz that dies within it
+  // eight taps a second, 30 ms of contact each, with a ringing of 120 Hz that decays within it
   const auto tap = [](double t) {
     const double since = std::fmod(t, 0.125);
     return since < 0.03
@@ -77,7 +77,7 @@ TEST(SwingWatch, ATextureOf30HzBelowTheLimitsIsNotChatter) {
 }
 
 TEST(SwingWatch, PressingHardWithATremorIsNotChatter) {
-  // at the bound of size in every cycle, and noise of a tenth of a newton on it
+  // at the bound of magnitude in every cycle, with noise of 0.03 N
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.03);
   SwingWatch watch(bound, rate, T);

@@ -28,7 +28,7 @@ std::uint16_t options_of(const std::string& command) {
   return static_cast<std::uint16_t>(std::stoul(command.substr(3, 4), nullptr, 16));
 }
 
-/// What all replies of a stream hold.
+/// Counts over all replies of a stream.
 struct Tally {
   int replies = 0, right_crc = 0, tx = 0, bx = 0, poses = 0, missing = 0, not_parsed = 0;
   std::map<std::pair<int, std::uint32_t>, Pose> tx_poses, bx_poses;  // by handle and frame
@@ -87,7 +87,7 @@ TEST(NdiCommand, GoldenVectors) {
 TEST(NdiCommand, ToolDefinitionAsRecorded) {
   const auto path = test::shared_file(streams / "polaris_stream_08_31_2005_NDICommandInterpreter.txt");
   if (path.empty()) GTEST_SKIP() << "no recorded NDI streams";
-  // The file that was uploaded, from the commands; then the commands from the file.
+  // Rebuilds the uploaded file from the commands, then the commands from the file.
   Bytes file;
   std::vector<std::string> recorded;
   for (const NdiExchange& exchange : test::read_counted_stream(path, true)) {
@@ -152,7 +152,7 @@ TEST(NdiReply, BinaryAndTextOfOneRecording) {
   EXPECT_EQ(t.replies - t.bx, 200) << "text replies of the twin";
   EXPECT_EQ(t.right_crc, t.replies);
   EXPECT_EQ(t.bx_poses.size(), b.bx_poses.size());
-  // No frame was asked for both ways. The tool moves slowly: where BX ends TX goes on.
+  // No frame was requested in both formats. The tool moves slowly, so TX continues where BX ends.
   const auto& [last_key, last] = *b.bx_poses.rbegin();
   const auto& [next_key, next] = *b.tx_poses.begin();
   EXPECT_EQ(last_key.first, next_key.first);
@@ -161,7 +161,7 @@ TEST(NdiReply, BinaryAndTextOfOneRecording) {
   EXPECT_LT(next.q.angularDistance(last.q), 0.1);
 }
 
-/// What a corrupted reply gives, up to its end or a silence.
+/// Checks the results of a corrupted reply, up to its end or a silence.
 void expect_no_wrong_pose(const Bytes& reply, std::uint16_t options, const PoseReply& right, int& errors) {
   ReplyReceiver receiver;
   bool whole = false;
@@ -228,7 +228,7 @@ TEST(NdiReply, DisabledHandlesEndEarly) {
 }
 
 TEST(NdiReply, PoseThatIsNone) {
-  // Valid by its status, but not a turn; then far away.
+  // Valid by its status, but not a rotation; then far away.
   const std::string rest = "+015650000003100000001\n0000";
   PoseReply reply;
   EXPECT_EQ(parse_tx(bytes_of("0101+00000+00000+00000+00000+011455+002063-073118" + rest), option::transforms,

@@ -70,8 +70,7 @@ TEST(Polhemus, FrameCommands) {
   EXPECT_EQ(all(Model::liberty, 16), "\x12*\r\x02*\rN*,0,0,0\rG0,0,0\rH*,0.600,0.000,-0.800\r");
 }
 
-/// A station that is not in the scene, without a pose, again and again: the others lose none of their
-/// records.
+/// A station that is not in the scene, without a pose, repeatedly: the others lose no record.
 TEST(Polhemus, ARecordWithoutAPoseCostsNoOther) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Model model : {Model::fastrak, Model::liberty}) {
@@ -154,8 +153,8 @@ TEST(Polhemus, InStepAgainAfterALostByte) {
   }
 }
 
-/// A record that is cut short, turned round in a bit, left out or sent twice, up to three in a row: of those after it the
-/// second is read at the latest.
+/// Up to three records in a row are truncated, changed in a bit, left out or sent twice.
+/// At the latest the second record after them is read.
 TEST(Polhemus, InStepWithinTwoRecordsOfADamagedOne) {
   std::mt19937 random(5);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
@@ -181,7 +180,7 @@ TEST(Polhemus, InStepWithinTwoRecordsOfADamagedOne) {
       }
 }
 
-/// The tracker at the host, set up for continuous records from `now` on.
+/// Returns the host's tracker, configured for continuous records from `now` on.
 std::unique_ptr<Tracker> tracking_tracker(Nanoseconds& now) {
   TrackerParams params;
   params.protocol = TrackerProtocol::polhemus;
@@ -196,7 +195,7 @@ std::unique_ptr<Tracker> tracking_tracker(Nanoseconds& now) {
 }
 
 TEST(PolhemusTracker, ACorruptedRecordIsRefusedOrNear) {
-  // Without a CRC a wrong low bit of a position passes. How far off it can be is bounded.
+  // Without a CRC a wrong low bit of a position passes; its error is bounded.
   double worst = 0;
   for (std::size_t at = 0; at < fastrak_size; ++at) {
     for (int bit = 0; bit < 8; ++bit) {

@@ -13,7 +13,7 @@ namespace {
 constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds start = 1'000'000'000;
 
-/// Ways to make a target of late samples, for the table of docs/decisions/020-tracker-poses.md.
+/// Methods of making a target from late samples, for the table of docs/decisions/020-tracker-poses.md.
 struct Way {
   virtual ~Way() = default;
   virtual void push(const Pose& X, Nanoseconds t, Nanoseconds now) = 0;
@@ -26,7 +26,7 @@ struct Hold : Way {
   Target held;
 };
 
-/// Along the last two samples, at most 0.1 s.
+/// Extrapolates the last two samples, for at most 0.1 s.
 struct Extrapolate : Way {
   void push(const Pose& X, Nanoseconds t, Nanoseconds) override {
     if (started) last.V_WD.v = (X.p - last.X_WD.p) / (1e-9 * static_cast<double>(t - t_last));
@@ -44,7 +44,7 @@ struct Extrapolate : Way {
   bool started = false;
 };
 
-/// As Extrapolate, but each new prediction is met by a cubic over one period.
+/// As Extrapolate, but reaches each new prediction by a cubic over one period.
 struct BlendedExtrapolation : Extrapolate {
   void push(const Pose& X, Nanoseconds t, Nanoseconds now) override {
     from = at(now);
@@ -71,16 +71,16 @@ struct Playback : Way {
 };
 
 struct Quality {
-  double range_N = 0;        // of the force that the true path gives
-  double stair_percent = 0;  // largest change of the force in a step, of that range
+  double range_N = 0;        // of the force along the true path
+  double stair_percent = 0;  // largest change of the force in a step, as a share of that range
   double stair_99_N = 0;     // 99th percentile of the changes
   double true_stair_percent = 0;
-  double error_mm = 0;  // rms, against where the hand is now
-  double lag_ms = 0;    // that, at the rms speed of the hand
+  double error_mm = 0;  // rms, against the present pose of the hand
+  double lag_ms = 0;    // the same, at the rms speed of the hand
 };
 
-/// The coupling of the demo's tool, which is held fast: 1000 N/m and 28 N s/m. Samples are known 10 ms after they were
-/// taken, +-2 ms.
+/// Measures with the coupling of the demo's tool, which is fixed: 1000 N/m and 28 N s/m. Samples arrive 10 ms
+/// after they were taken, +-2 ms.
 Quality measure(const test::Recording& hand, Way& way) {
   const auto force = [](const Target& t) -> Vec3 { return 1000 * t.X_WD.p + 28 * t.V_WD.v; };
   std::mt19937 random(1);
@@ -95,12 +95,12 @@ Quality measure(const test::Recording& hand, Way& way) {
       way.push(hand.at(t_sample).X_WD, start + std::llround(1e9 * t_sample), now);
       t_sample += 1 / hand.rate_hz;
     }
-    const Target told = way.at(now), truth = hand.at(t);
-    const Vec3 f = force(told), true_f = force(truth);
+    const Target played = way.at(now), truth = hand.at(t);
+    const Vec3 f = force(played), true_f = force(truth);
     if (t > 1) {
       stairs.push_back((f - last).norm());
       true_stair = std::max(true_stair, (true_f - true_last).norm());
-      error_sq += (told.X_WD.p - truth.X_WD.p).squaredNorm();
+      error_sq += (played.X_WD.p - truth.X_WD.p).squaredNorm();
       speed_sq += truth.V_WD.v.squaredNorm();
       low = low.cwiseMin(true_f);
       high = high.cwiseMax(true_f);
@@ -119,7 +119,7 @@ Quality measure(const test::Recording& hand, Way& way) {
   return q;
 }
 
-/// Prints the table of the decision, row by row, and checks what it concludes from it.
+/// Prints the table of the decision, row by row, and checks its conclusions.
 TEST(PoseTrack, ForceWithoutStairsOnRecordedHands) {
   if (test::shared_file("data/plus_tracker").empty()) GTEST_SKIP() << "no recorded poses";
   for (const test::Recording& hand :
@@ -141,7 +141,7 @@ TEST(PoseTrack, ForceWithoutStairsOnRecordedHands) {
       EXPECT_LT(q[3].stair_percent, q[rival].stair_percent / 2) << hand.name << " " << ways[rival].first;
       EXPECT_LT(q[3].stair_99_N, q[rival].stair_99_N) << hand.name << " " << ways[rival].first;
     }
-    // About one period and a half, and what the samples are late.
+    // About one and a half periods, plus the delay of the samples.
     EXPECT_LT(playback.track.delay(), start * 2 / static_cast<Nanoseconds>(hand.rate_hz) + 14 * ms)
         << hand.name;
     EXPECT_LT(q[3].stair_percent, 1) << hand.name;
@@ -154,7 +154,7 @@ Pose turning(double t) {
           .q = Quat(std::cos(angle / 2), 0, 0, std::sin(angle / 2))};
 }
 
-/// 60 Hz, `late` after they are taken, up to `until`; played at 1 kHz.
+/// Samples at 60 Hz, delayed by `late`, up to `until`; played at 1 kHz.
 struct Replay {
   explicit Replay(Nanoseconds stale_after = 100 * ms) : track(stale_after) {}
 
@@ -163,7 +163,7 @@ struct Replay {
     for (; t_sample + late <= now; t_sample += 16'666'667) {
       const double t = 1e-9 * static_cast<double>(t_sample);
       const Pose X = turning(t);
-      // The sign of a tracker's quaternion means nothing.
+      // The sign of a tracker's quaternion has no meaning.
       const Quat q = ++count % 2 == 0 ? X.q : Quat(-X.q.w(), -X.q.x(), -X.q.y(), -X.q.z());
       if (t_sample < until) track.push({.p = X.p, .q = q}, t_sample, now);
     }
@@ -204,7 +204,7 @@ TEST(PoseTrack, NeitherPoseNorTwistJumps) {
       EXPECT_LT((played.target.V_WD.w - last.target.V_WD.w).norm(), 2e-2);
     }
     if (i > 500) {
-      // While it learns that samples are later it comes to rest and catches up, 0.3 m/s being the speed.
+      // While the track adapts to the longer delay the target stops and catches up; the speed is 0.3 m/s.
       EXPECT_LT((played.target.X_WD.p - last.target.X_WD.p).norm(), 2e-3);
       EXPECT_LT(played.target.X_WD.q.angularDistance(last.target.X_WD.q), 1e-2);
     }

@@ -1,4 +1,4 @@
-// What the program says of itself: help, manual page and completion, from one description.
+// Help, manual page and completion of the program, from one description.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// Every verb, below its words: "lss node-id".
+/// Calls `use` for every verb with its path: "lss node-id".
 void for_each_verb(const CLI::App& app, const std::string& path,
                    const std::function<void(const std::string&, const CLI::App&)>& use) {
   use(path, app);
@@ -88,7 +88,7 @@ TEST_F(CliDocuments, CompletionKnowsVerbsOptionsAndValues) {
   EXPECT_EQ(completed("godobject run sim/scenes/rig"), "[sim/scenes/rigid.toml]");
 }
 
-/// No line beyond 80 columns, no words of the option parser.
+/// Checks for lines beyond 80 columns and words of the option parser.
 TEST_F(CliDocuments, HelpIsReadable) {
   for_each_verb(app_, "", [&](const std::string& path, const CLI::App&) {
     const ProgramResult help = run_program(path + " --help");

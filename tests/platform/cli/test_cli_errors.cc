@@ -1,4 +1,4 @@
-// Wrong input of every kind: exit code 2, the place in the message, nothing written over.
+// Wrong input of every kind: exit code 2, the place in the message, no file overwritten.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -50,11 +50,12 @@ TEST_F(CliErrors, OptionsAreNamedWithWhatIsAdmissible) {
       {"run " + rigid + " --bus can0=socketcan:a --bus can0=socketcan:b --bus can1=socketcan:c",
        "--bus: bus 'can0' is given twice"},
       {"run " + rigid + " --bus can0=usb:a --bus can1=socketcan:b", "--bus: "},
-      {"run " + rigid + " --bus sim --bus direct", "--bus: sim and direct stand for all buses"},
+      {"run " + rigid + " --bus sim --bus direct", "--bus: sim and direct apply to all buses"},
       {"run " + rigid + " --bus can0=socketcan:a --bus can1=socketcan:b --fast",
-       "--fast: it runs on a simulated clock"},
+       "--fast: real buses and trackers run in wall time"},
       {"run sim/scenes/admittance.toml --bus socketcan:a", "--bus: scene 'admittance' describes no buses"},
-      {"run " + rigid + " --bus direct --rearm auto", "--rearm: with --bus direct there is no device to arm"},
+      {"run " + rigid + " --bus direct --rearm auto",
+       "--rearm: with --bus direct there is no device to arm: remove --rearm"},
       {"run " + rigid + " --rearm always", "--rearm"},
       {"run " + rigid + " --trace /no/such/folder/t.csv",
        "--trace: '/no/such/folder/t.csv' cannot be written"},
@@ -108,7 +109,7 @@ TEST_F(CliErrors, SceneFilesAreRefusedWithThePlace) {
   }
 }
 
-/// Replaces `what`, which must be there, in the shipped scene.
+/// Replaces a text in the shipped scene, which must contain it.
 std::string rigid_with(const std::string& what, const std::string& by) {
   std::string text = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   text.replace(text.find(what), what.size(), by);
@@ -127,7 +128,7 @@ TEST_F(CliErrors, RunRefusesWhatCheckRefuses) {
   };
   for (const Case& c : {Case{full, full + ": bus can0: worst-case load 1"},
                         Case{stale, stale + ": stale_after is 0.0005, must be at least step (0.001)"},
-                        Case{pushed, "admittance devices run with --bus direct for now"}}) {
+                        Case{pushed, "an admittance device runs only with --bus direct"}}) {
     for (const std::string verb : {"check ", "run --duration 0.1 "}) {
       const ProgramResult result = run_program(verb + c.scene);
       EXPECT_EQ(result.exit_code, 2) << result.output;
@@ -191,7 +192,7 @@ TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
   EXPECT_THAT(result.output, HasSubstr(file + ":" + std::to_string(line) + ": drive of joint "));
 }
 
-/// Fixed, ball: neither has a coordinate with a name.
+/// fixed, ball: neither has a named coordinate.
 TEST_F(CliErrors, AStopNeedsACoordinate) {
   for (const std::string kind : {"fixed", "ball"})
     for (const std::string coordinate : {"", "coordinate = \"q\"\n"}) {
@@ -203,8 +204,7 @@ TEST_F(CliErrors, AStopNeedsACoordinate) {
                     "lower = -1.0\nupper = 1.0\nstiffness = 1.0\nwidth = 0.1\n");
       const ProgramResult result = run_program("check " + file);
       EXPECT_EQ(result.exit_code, 2);
-      EXPECT_THAT(result.output,
-                  HasSubstr(file + ":11:1: joint 'j' has no coordinate that a stop could bound"));
+      EXPECT_THAT(result.output, HasSubstr(file + ":11:1: joint 'j' has no coordinate for a stop"));
       EXPECT_THAT(result.output, testing::Not(HasSubstr("coordinate' is")));
     }
 }

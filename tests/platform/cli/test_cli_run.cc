@@ -1,4 +1,4 @@
-// Runs that go well: what they print, what they write, and that they repeat bit for bit.
+// Successful runs: their output, their files, and bitwise repetition.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -94,7 +94,7 @@ TEST_F(CliRun, NodesOfNetsAreWrittenEveryNthStep) {
       << "it has no nets";
 }
 
-/// The rows of a file of contacts, summed up for each time and body.
+/// Returns the sum of the forces in a file of contacts for each time and body.
 std::map<std::pair<double, std::string>, Vec3> contact_forces(const std::string& file) {
   std::map<std::pair<double, std::string>, Vec3> sums;
   std::istringstream lines(file);
@@ -184,7 +184,7 @@ TEST_F(CliRun, RecordIsACandumpLogOfBothBusesInTheOrderOfTime) {
     num_syncs += received.frame.id == 0x080 ? 1 : 0;
   }
   EXPECT_EQ(buses, (std::set<std::string, std::less<>>{"can0", "can1"}));
-  EXPECT_GT(num_syncs, 2u * 500);  // and those of the boot
+  EXPECT_GT(num_syncs, 2u * 500);  // with those of the boot
 }
 
 TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
@@ -200,7 +200,7 @@ TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   EXPECT_EQ(json["integrator"], "implicit-euler");
   EXPECT_EQ(json["scene"], "rigid");
   EXPECT_TRUE(json["faults"].empty());
-  EXPECT_EQ(json["limits"]["ramp"], 501);  // 0.5 s, and the step at which it begins
+  EXPECT_EQ(json["limits"]["ramp"], 501);  // 0.5 s, and the step in which it begins
   std::uint64_t counted = 0;
   for (const auto& bin : json["timing"]["compute_us"]["histogram"]) counted += bin[1].get<std::uint64_t>();
   EXPECT_EQ(counted, 1000u);
@@ -217,7 +217,7 @@ TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   EXPECT_THAT(json["state_hash"].get<std::string>(), testing::MatchesRegex("[0-9a-f]{16}"));
 }
 
-/// What the log of a run's frames says of its end.
+/// Frames at the end of a run's log.
 struct LastFrames {
   std::map<std::pair<std::string, std::uint32_t>, std::uint32_t> commands;  // RPDO1: controlword and torque
   std::set<std::pair<std::string, int>> pre_operational;
@@ -242,7 +242,7 @@ LastFrames last_frames(const std::string& text) {
   return last;
 }
 
-/// Every drive disabled with no torque, every node out of Operational; also where a fault came up.
+/// Every drive is disabled without torque, every node out of Operational; also after a fault.
 TEST_F(CliRun, EndsWithTheMotorsOff) {
   std::string faulty = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   const std::string encoder = "[[device.encoder]]\n";
@@ -270,7 +270,7 @@ TEST_F(CliRun, NodesKeepTheHeartbeatTimeoutOfTheScene) {
   std::string scene = read_file(GODOBJECT_SOURCE_DIR "/" + rigid);
   const std::string before = "[device.chain]";
   scene.insert(scene.find(before), "[device.supervision]\nheartbeat_timeout = 0.05\nhost_node_id = 100\n");
-  // the profile's own heartbeat, 50 ms, would be too slow for it
+  // because the profile's own heartbeat, 50 ms, would be too slow for it
   const std::string profile = "profile = \"generic-402\"", none = "watchdog = \"none\"";
   for (std::size_t at = 0; (at = scene.find(profile, at)) != std::string::npos;)
     scene.replace(at, profile.size(), none);
@@ -304,7 +304,7 @@ TEST_F(CliRun, EveryShippedSceneRuns) {
 
 TEST_F(CliRun, RealtimeGivesTheStatesOfFast) {
   ASSERT_EQ(run("fast", rigid + " --fast --duration 0.5").exit_code, 0);
-  // Deadlines missed are held, which changes the states: of a machine as busy as that another run is asked for.
+  // Missed deadlines are held, which changes the states; on a busy machine the run is repeated.
   bool has_held = true;
   for (int attempt = 0; has_held && attempt < 10; ++attempt) {
     const ProgramResult result = run("rt", rigid + " --realtime --duration 0.5");
@@ -401,7 +401,7 @@ TEST_F(CliRun, CheckPrintsCapacitiesAndTheTopSpeedOfContacts) {
   const ProgramResult result = run_program("check --full " + write("foil.toml", scene));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const char* part : {"composition 'contacts-1 tr-bdf2'", "capacities used", "1 of 64",
-                           "top speed at which nothing passes anything: 1.5 m/s", "warning: ",
+                           "top speed up to which nothing passes through a solid: 1.5 m/s", "warning: ",
                            "foil.toml: above 1.5 m/s", "sphere of body 'ball' and obstacle 'foil'"})
     EXPECT_THAT(result.output, HasSubstr(part));
 }

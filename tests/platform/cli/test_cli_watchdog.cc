@@ -1,4 +1,4 @@
-// What `godobject check` and `godobject run` say about drives that nothing stops when they die.
+// Messages of `godobject check` and `godobject run` about drives without a watchdog.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using testing::Not;
 
 class CliWatchdog : public ProgramTest {
  protected:
-  /// two_joints with `drive` in place of the drives' profile.
+  /// Returns two_joints with `drive` in place of the drives' profile.
   std::string scene_with(const std::string& drive) const {
     const std::string profile = "profile = \"generic-402\"\n";
     std::string text = two_joints_toml;

@@ -1,5 +1,5 @@
-// A feedback that the device does not bear: said by check, refused by --strict, and a fault of the run within 0.6 s of
-// the force's beginning to swing. What the limits of a run were met for.
+// A feedback that the device cannot display in a stable way: `check` warns, and --strict refuses.
+// The run has a fault within 0.6 s of the first oscillation. Also reasons for the limits of a run.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ TEST_F(ForceOscillates, ChatterAtTheRateLimitIsAFaultWithin600Ms) {
 }
 
 TEST_F(ForceOscillates, WithoutARigItIsAFaultOfTheRun) {
-  // the hand, told exactly, shakes at 60 Hz: the force follows as fast as it may
+  // the hand, measured exactly, shakes at 60 Hz: the force follows at its rate limit
   std::string scene = desk_scene("stiffness = 5000\n");
   scene.replace(scene.find("[motion]"), std::string::npos,
                 "[motion]\namplitude = [0.01, 0, 0]\nfrequency_hz = [60, 0, 0]\n");

@@ -1,4 +1,4 @@
-// A run on a device that was held for much of its time: the status line, the faults and the summary have it.
+// A run with its device on hold for much of the time: shown by the status line, the faults and the summary.
 #include <gmock/gmock.h>
 
 #include <unistd.h>
@@ -25,7 +25,7 @@ SceneConfig rigid() {
   return *std::move(loaded.scene);
 }
 
-/// A session on buses that are no simulation's.
+/// Prepares a session on buses without a simulation.
 PreparedRun on_a_device(const SceneConfig& scene) {
   PreparedRun run;
   auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
@@ -80,7 +80,7 @@ TEST(HeldRun, WhatTheKernelKeptIsInTheSummary) {
   RunReport report = make_report(options, run, result, {});
   ASSERT_FALSE(report.buses.empty());
   EXPECT_THAT(summary_of(report), Not(HasSubstr("WARNING                    can0: /dev")));
-  report.buses[0].slowness = "/dev/ttyACM0: 7 reads or writes of this terminal were kept";
+  report.buses[0].slowness = "/dev/ttyACM0: 7 reads or writes of this terminal were delayed";
   EXPECT_THAT(summary_of(report), HasSubstr("7 reads or writes"));
 }
 

@@ -1,4 +1,4 @@
-// Each limit of a run: a scene that meets it, and the change that its remedy names, after which it is met no more.
+// Each limit of a run: a scene that activates it, and the change by its remedy, which deactivates it.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Returns `text` with its first `from` replaced; it must be there.
+/// Returns `text` with its first `from` replaced; it must exist.
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -26,13 +26,14 @@ std::string replaced_everywhere(std::string text, const std::string& from, const
   return text;
 }
 
-/// A tool on three slides with a feedback that its device bears; limits: lines of [device.limits].
+/// Scene of a tool on three slides with a feedback that its device can display. limits: lines of
+/// [device.limits].
 std::string desk(const std::string& limits = "") {
   const std::string scene = desk_scene("stiffness = 60\ndamping = 0.6\n");
   return replaced(scene, "[device.plant]\n", "[device.limits]\n" + limits + "[device.plant]\n");
 }
 
-/// A tool that a tracked hand turns to and fro; limits: lines of [device.limits].
+/// Scene of a tool that a tracked hand turns to and fro. limits: lines of [device.limits].
 std::string turned(const std::string& limits) {
   return "[scene]\nname = \"turned\"\nduration = 4.0\n"
          "[[body]]\nname = \"tool\"\nmass = 0.1\ninertia = [1e-4, 1e-4, 1e-4]\n"
@@ -42,7 +43,8 @@ std::string turned(const std::string& limits) {
          limits + "[motion]\nangle_amplitude = [0.8, 0.0, 0.0]\nangle_frequency_hz = [1.0, 1.0, 1.0]\n";
 }
 
-/// A free body at 400 rad/s: TR-BDF2 takes implicit Euler stages where a step turns it by more than 0.25 rad.
+/// Scene of a free body at 400 rad/s: TR-BDF2 takes implicit Euler stages if a step turns it by more than
+/// 0.25 rad.
 std::string spun(const std::string& step) {
   return "[scene]\nname = \"spun\"\nduration = 2.0\nintegrator = \"tr-bdf2\"\nstep = " + step +
          "\n[[body]]\nname = \"tool\"\nmass = 0.1\ninertia = [1e-4, 2e-4, 3e-4]\nangular_velocity = [400.0, "
@@ -51,7 +53,7 @@ std::string spun(const std::string& step) {
 
 class LimitRemedies : public ProgramTest {
  protected:
-  /// Percent of the cycles in which the limit was active; warnings hold its line if that is more than 5.
+  /// Returns the percentage of cycles with the limit active; warnings contain its line above 5 %.
   double percent(const std::string& limit, const std::string& scene, const std::string& options = "") {
     const ProgramResult run = run_program("run " + write("scene.toml", scene) + " --fast --report " +
                                           path("r.json") + " " + options);

@@ -1,4 +1,4 @@
-// What missed deadlines do to a run: period by period, without a clock.
+// Effects of missed deadlines on a run, period by period, without a clock.
 #include <gtest/gtest.h>
 
 #include "platform/cli/run/cycle.h"

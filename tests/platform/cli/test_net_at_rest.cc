@@ -1,4 +1,4 @@
-// A net at rest is solved at once, and says so: TR-BDF2 keeps its second order.
+// A net at rest converges at once and reports it: TR-BDF2 keeps its second order.
 #include <gmock/gmock.h>
 
 #include "tests/support/program.h"
@@ -8,7 +8,7 @@ namespace {
 
 class NetAtRest : public ProgramTest {
  protected:
-  /// A sheet without gravity and anything that moves it.
+  /// Runs a sheet without gravity or motion.
   ProgramResult run(const std::string& more) const {
     const std::string scene =
         write("net.toml",

@@ -1,4 +1,4 @@
-// Files, pipes and names that a program must not stumble over.
+// Files, pipes and names that must not disturb the program.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST_F(BackgroundFiles, NobodyWhoReadsKeepsNobody) {
   EXPECT_FALSE(file.write(std::string(2 * room, '\n'))) << "no room: all of it is left out";
   const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(100));
   EXPECT_LT(Clock::now() - begin, milliseconds(1500));
-  EXPECT_THAT(result.why, HasSubstr("took no more"));
+  EXPECT_THAT(result.why, HasSubstr("accepted no more"));
   EXPECT_EQ(result.lost_lines, 10 + 2 * room);
 }
 
@@ -87,7 +87,7 @@ class Outputs : public ProgramTest {};
 
 constexpr const char* short_run = "run sim/scenes/rigid.toml --duration 0.05";
 
-/// Nobody opens its other end.
+/// Its other end is never opened.
 TEST_F(Outputs, ATraceThatNobodyReadsDoesNotKeepTheProgram) {
   const std::string name = path("fifo");
   ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
@@ -131,7 +131,7 @@ TEST_F(Outputs, ACommandNeedNotBeUtf8) {
   EXPECT_EQ(nlohmann::json::parse(simulate.say("quit"))["ok"], true);
 }
 
-/// When they happen, with all there is to say, and the same in the report; also on the simulated clock.
+/// Printed when they occur, with all details, and also in the report; also on the simulated clock.
 TEST_F(Outputs, FaultsAndRearmingAreTold) {
   const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/";
   write("patient-402.toml", read_file(hil + "patient-402.toml"));
@@ -166,24 +166,24 @@ at = 0.3
   EXPECT_GT(events[3]["t_s"], events[0]["t_s"]);
 }
 
-/// From too little to start at all to enough.
+/// Limits from too little to start at all to enough.
 TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer takes terabytes of addresses";
 #endif
-  bool was_said = false;
+  bool was_reported = false;
   for (int kib = 20'000; kib <= 100'000; kib += 2'000) {
     const ProgramResult result = run_program(std::string(short_run) + " --realtime",
                                              "ulimit -v " + std::to_string(kib) + " && timeout 20 ");
     EXPECT_THAT(result.exit_code, AnyOf(0, 1, 2, 3, 127)) << kib << " KiB: " << result.output;
     EXPECT_THAT(result.output, Not(HasSubstr("terminate called"))) << kib << " KiB";
-    was_said =
-        was_said || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
+    was_reported =
+        was_reported || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
   }
-  EXPECT_TRUE(was_said);
+  EXPECT_TRUE(was_reported);
 }
 
-/// Standard descriptors that are closed are not given to a file, which would get the status lines.
+/// Closed standard descriptors are not reused for a file, which would receive the status lines.
 TEST_F(BackgroundFiles, ClosedStandardDescriptorsBecomeNoOutput) {
   for (const char* closed : {"2>&-", "<&-", "<&- >&- 2>&-", ">&- 2>&-"}) {
     const std::string trace = path("t.csv");
@@ -212,7 +212,7 @@ TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
     EXPECT_EQ(std::filesystem::read_symlink(of + std::to_string(standard)), "/dev/null") << standard;
 }
 
-/// A run that dies loses half a second at most, of every file.
+/// A killed run loses at most half a second of every file.
 TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   const std::vector<std::string> names{path("t.csv"), path("r.log")};
   BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60",
@@ -225,7 +225,7 @@ TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   for (int i = 0; i < 1000 && (size_of(names[0]) < 2000 || size_of(names[1]) == 0); ++i)
     std::this_thread::sleep_for(milliseconds(10));
   std::vector<std::uintmax_t> sizes(2);
-  for (int i = 0; i < 4; ++i) {  // it goes on growing all the time
+  for (int i = 0; i < 4; ++i) {  // it grows all the time
     std::this_thread::sleep_for(milliseconds(500));
     for (std::size_t f = 0; f < sizes.size(); ++f) {
       EXPECT_GT(size_of(names[f]), sizes[f]) << names[f];
@@ -254,7 +254,7 @@ TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
   const ProgramResult below_a_file =
       run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + report + "/x/t.csv");
   EXPECT_EQ(below_a_file.exit_code, 2);
-  EXPECT_THAT(below_a_file.output, HasSubstr("is no folder"));
+  EXPECT_THAT(below_a_file.output, HasSubstr("is not a folder"));
 }
 
 /// `ulimit -s`, which a process without rights cannot raise.
@@ -268,7 +268,7 @@ TEST_F(BackgroundFiles, ASmallStackIsEnough) {
     }
 }
 
-/// Answers of a simulation that nobody reads do not keep it.
+/// Unread answers of a simulation do not delay it.
 TEST_F(BackgroundFiles, UnreadAnswersDoNotStallASimulation) {
   BackgroundProgram far({"simulate", "sim/scenes/rigid.toml", "--control", "-", "--report", path("r.json"),
                          "--bus", "can0=pty", "--bus", "can1=pty"});

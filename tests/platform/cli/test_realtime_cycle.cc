@@ -1,4 +1,4 @@
-// The real-time thread's cycle, buses and all, touches neither heap nor locks nor the system.
+// The cycle of the real-time thread, including buses, uses neither heap nor locks nor system calls.
 #include <gtest/gtest.h>
 
 #include <memory>

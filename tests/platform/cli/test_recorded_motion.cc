@@ -1,5 +1,5 @@
-// A recorded operation (80 s of a person teleoperating a robot) through the whole chain: encoders on
-// simulated wires, the core, the drives.
+// A recorded operation (80 s of teleoperation) through the whole chain: encoders on simulated wires, the
+// core, the drives.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -47,7 +47,7 @@ TEST_F(RecordedMotion, RunsThroughTheWholeChainWithoutFault) {
   EXPECT_LT(sim["sensing"]["max_m"], 2e-5);
   EXPECT_LT(sim["sensing"]["max_rad"], 1e-4);
   EXPECT_LT(sim["following"]["rms_m"], 1e-4);
-  // What the encoders do to the tool is small beside what the coupling does.
+  // Encoders disturb the tool less than the coupling does.
   EXPECT_LT(sim["encoders"]["rms_m"].get<double>(), 0.5 * sim["exact_following"]["rms_m"].get<double>());
   std::printf(
       "following error, rms: %.3g m %.3g rad on the bus, %.3g m %.3g rad direct; difference %.2g m %.2g rad\n"
@@ -59,7 +59,7 @@ TEST_F(RecordedMotion, RunsThroughTheWholeChainWithoutFault) {
       sim["encoders"]["rms_m"].get<double>(), sim["encoders"]["rms_rad"].get<double>());
 }
 
-/// Recording, bus.
+/// Parameters: recording, bus.
 class RecordedGrasper : public RecordedMotion,
                         public testing::WithParamInterface<std::tuple<const char*, const char*>> {};
 

@@ -29,8 +29,8 @@ class ReferenceRuns : public ProgramTest {
     return read_csv(path("t.csv")).table.value();
   }
 
-  /// Worst over the bodies and the times of the reference up to `until`, which the run must all have; drift over
-  /// all of the run.
+  /// Returns the largest errors over the bodies and the reference times up to `until`, and the largest drift
+  /// of the run. The run must contain all these times.
   WorstError error_of(const std::string& scene, const std::string& integrator, double step,
                       double until = 1e9) const {
     const std::filesystem::path folder = shared_file("reference/" + scene);
@@ -74,7 +74,7 @@ class ReferenceRuns : public ProgramTest {
             Quat(table.at(row, c + 3), table.at(row, c + 4), table.at(row, c + 5), table.at(row, c + 6))
                 .normalized()};
   }
-  /// Kinetic and potential, J.
+  /// Returns kinetic plus potential energy, J.
   static double energy(const SceneConfig& scene, const CsvTable& table, std::size_t row) {
     double e = 0;
     for (const BodyConfig& body : scene.bodies) {
@@ -151,7 +151,7 @@ TEST_F(ReferenceRuns, GrasperIsWithinBoundsAndConverges) {
   }
 }
 
-/// Chaotic after about a second: errors over the first half.
+/// Chaotic after about a second, so errors are taken over the first half.
 TEST_F(ReferenceRuns, ChainFollowsTheReferenceForHalfASecond) {
   if (shared_file("reference").empty()) GTEST_SKIP() << "shared/reference is not here";
   for (const auto& [integrator, wanted] : {std::pair{"implicit-euler", 0.9}, {"tr-bdf2", 1.9}}) {

@@ -1,4 +1,4 @@
-// A rig that runs on the record of a run: the same cycles, the same poses, no fault.
+// A rig that replays the record of a run: the same cycles, the same poses, no fault.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ struct Trace {
   std::vector<std::vector<double>> rows;
 };
 
-/// Numbers of a trace; what is no number is 0.
+/// Reads the numbers of a trace; other cells are 0.
 Trace read_trace(const std::string& path) {
   Trace trace;
   std::istringstream text(read_file(path));
@@ -32,7 +32,7 @@ Trace read_trace(const std::string& path) {
   return trace;
 }
 
-/// The greatest difference of a column whose name ends so, over the rows that both have.
+/// Returns the largest difference in columns with this ending, over the rows of both traces.
 double difference(const Trace& a, const Trace& b, const std::string& ending) {
   double most = 0;
   for (std::size_t c = 0; c < a.names.size(); ++c)
@@ -85,7 +85,7 @@ TEST_F(ReplayedRun, TheRecordOfAReplayIsReplayedToo) {
   expect_the_same(1e-4);
 }
 
-/// A program that was killed leaves a record that ends anywhere.
+/// The record of a killed program ends anywhere.
 TEST_F(ReplayedRun, ACutRecordIsReplayedUpToTheCut) {
   const std::string scene = "sim/scenes/grasper.toml";
   ASSERT_EQ(record(scene, "").exit_code, 0);
@@ -111,7 +111,7 @@ TEST_F(ReplayedRun, WhatCannotBeReplayedIsSaid) {
   EXPECT_THAT(result.output, HasSubstr("holds no frame of the scene's buses"));
   result = replay(scene, "can0=replay:" + log + ",can3 --bus can1=replay:" + log);
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("holds nothing of can3"));
+  EXPECT_THAT(result.output, HasSubstr("holds no frame of can3"));
   result = replay(scene, "can0=replay:" + log + " --bus can1=pty");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, HasSubstr("do not go together"));

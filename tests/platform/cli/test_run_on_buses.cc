@@ -1,4 +1,4 @@
-// A run on real buses in wall time: a simulated rig at the far ends of cables, played by another thread.
+// A run on real buses in wall time: another thread simulates a rig at the far ends of cables.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Machines that run tests are slow at times: nothing here is to depend on that.
+/// Test machines are slow at times, so limits are wide.
 SceneConfig patient_scene() {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
   SceneConfig scene = *std::move(loaded.scene);
@@ -36,12 +36,12 @@ SceneConfig patient_scene() {
   }
   for (DriveParams& drive : rig.drives) {
     drive.max_speed = 100;
-    drive.torque_max_Nm = 0.005;  // too little to shake the hand, however late it comes
+    drive.torque_max_Nm = 0.005;  // too small to shake the hand, however late it comes
   }
   return scene;
 }
 
-/// What the drives were told, in order.
+/// Commands received by the drives, in order.
 struct Command {
   std::uint32_t node = 0;
   std::uint16_t controlword = 0;
@@ -78,7 +78,7 @@ void expect_motors_off(const std::vector<CanFrame>& frames) {
 
 class RunOnBuses : public ProgramTest {
  protected:
-  /// Makes the far end and a session on its cables, opened.
+  /// Makes the far end and an opened session on its cables.
   void connect(std::function<void(RigPlayer&, std::uint64_t)> on_sync = {}) {
     player_ = std::make_unique<RigPlayer>(scene_, motion_, std::move(on_sync));
     std::vector<std::unique_ptr<LinuxBus>> buses;
@@ -134,7 +134,7 @@ TEST_F(RunOnBuses, BootsFollowsPushesAndShutsDown) {
   EXPECT_EQ(session_->host_buses()[1]->counters().sent, player_->got[1].size());
 }
 
-/// Both directions of both buses.
+/// Checks both directions of both buses.
 TEST_F(RunOnBuses, RecordHasEveryFrame) {
   connect();
   EXPECT_TRUE(run({.num_cycles = 100}, path("run.log")).ready);
@@ -153,7 +153,7 @@ TEST_F(RunOnBuses, RecordHasEveryFrame) {
   };
   for (std::size_t i = 0; i < player_->cables.size(); ++i) {
     const std::vector<CanFrame>& of_bus = logged[rig().buses[i].name];
-    // What the nodes sent after the last cycle is not in it.
+    // The record does not contain frames that the nodes sent after the last cycle.
     EXPECT_GE(of_bus.size(), player_->got[i].size() + session_->host_buses()[i]->counters().received);
     EXPECT_LE(of_bus.size(), player_->got[i].size() + player_->sent[i].size());
     for (const CanFrame& frame : player_->got[i])
@@ -181,7 +181,7 @@ TEST_F(RunOnBuses, RearmsWhenItsBusesAreBack) {
   connect([](RigPlayer& player, std::uint64_t syncs) {
     if (syncs == 300) player.cables[0].unplug();
   });
-  // Plugged in again once the host has tried in vain.
+  // Plugs it in again after the host has failed to open it.
   std::atomic<bool> over{false};
   std::thread hand([&] {
     while (!over && player_->cables[0].refused_opens() < 2)

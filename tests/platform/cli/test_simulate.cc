@@ -1,4 +1,4 @@
-// The simulated rig behind real buses, on buses and a clock of the test's own.
+// The simulated rig behind real buses, with buses and a clock of the test's own.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using testing::SizeIs;
 
 constexpr Nanoseconds ms = 1'000'000;
 
-/// A real bus as far as the bridge can see.
+/// A bus that the bridge takes for a real one.
 class FakeBus final : public LinuxBus {
  public:
   bool open() noexcept override { return true; }
@@ -153,7 +153,7 @@ TEST_F(SimulateTest, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(quit_);
 }
 
-/// Lines of a pipe, as the control of a simulation reads them.
+/// Lines of a pipe, as read by the control of a simulation.
 TEST(LineInput, ALineIsOneHoweverLong) {
   for (const std::size_t size : {999u, 1000u, 1001u, 1100u, 4095u, 40'000u}) {
     std::array<int, 2> ends{};

@@ -1,4 +1,4 @@
-// A trace given as --motion replays the devices' samples: the second run does as the first.
+// A trace given as --motion replays the devices' samples: the second run equals the first.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ constexpr double within = 1e-6;  // m: velocities of a replay are those of a cur
 
 class TraceAsMotion : public ProgramTest, public testing::WithParamInterface<Case> {
  protected:
-  /// A run of two seconds; its trace.
+  /// Runs for two seconds and returns the trace.
   CsvTable run(const std::string& name, const std::string& options) {
     result_ = run_program("run sim/scenes/" + GetParam().scene + ".toml " + options +
                           " --duration 2 --trace " + path(name) + " --report " + path("report.json"));
@@ -54,7 +54,7 @@ TEST_P(TraceAsMotion, DoesTheSameAgain) {
   ASSERT_EQ(second.num_rows(), 2001u);
   for (const std::string& column : first.columns()) {
     if (!column.ends_with(".x") && !column.ends_with(".y") && !column.ends_with(".z")) continue;
-    // A simulated device: its joints are replayed, those of the first sample also before it.
+    // A simulated device: its joints are replayed, with those of the first sample also before it.
     const bool is_direct = GetParam().bus == "direct";
     const bool is_target = column.find(".target.") != std::string::npos;
     EXPECT_LE(apart(first, second, column), is_direct ? within : is_target ? 1e-5 : 1e-4) << column;
@@ -107,7 +107,7 @@ TEST_F(TraceOfOneRun, OfAnotherSceneIsRefused) {
   const ProgramResult result =
       run_program("run sim/scenes/admittance.toml --bus direct --motion " + path("a.csv"));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("is it of another scene?"));
+  EXPECT_THAT(result.output, HasSubstr("give the trace of this scene"));
 }
 
 TEST_F(TraceOfOneRun, AndReportHaveJointsDeviceAndTorques) {

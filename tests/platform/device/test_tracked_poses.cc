@@ -17,7 +17,7 @@ Pose hand_at(double t) {
           .q = Quat(std::cos(angle / 2), 0, std::sin(angle / 2), 0)};
 }
 
-/// One NDI tracker, turned and moved in the world, with a tool whose target sits off its origin.
+/// One NDI tracker, displaced and rotated in the world, with a tool with an offset target.
 struct Tracked {
   explicit Tracked(double rate_hz = 60) {
     TrackerParams params = test::tracker_params(TrackerProtocol::ndi, {"probe.rom"});

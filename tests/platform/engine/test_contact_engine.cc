@@ -1,4 +1,4 @@
-// Scenes with contacts as compiled compositions: the smallest that covers them, and what it says.
+// Scenes with contacts as compiled compositions: the smallest that covers them, and its results.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Bus addresses as a user types them, right and wrong.
+// Bus addresses as typed by a user, right and wrong.
 #include <gmock/gmock.h>
 
 #include "platform/linux/bus/bus.h"
@@ -42,13 +42,13 @@ TEST(BusAddress, WhatIsWrongIsSaid) {
         {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},
         {"", "socketcan:, slcan:, pty:, board:, replay:"},
         {"kvaser:0", "unknown bus kind 'kvaser'; expected socketcan:, slcan:, pty:, board:, replay:"},
-        {"can0", "say what it is: socketcan:can0"},
+        {"can0", "the bus kind is missing: give socketcan:can0"},
         {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
         {"socketcan", "followed by INTERFACE"},
         {"slcan:", "followed by PATH"},
         {"board:", "followed by PATH"},
         {"replay:", "followed by FILE"},
-        {"pty:/dev/pts/3", "nothing follows pty"},
+        {"pty:/dev/pts/3", "pty takes no address"},
         {"socketcan:a-name-of-16-ch.", "at most 15"}}) {
     std::string error;
     EXPECT_FALSE(parse_bus_address(text, error).has_value()) << text;

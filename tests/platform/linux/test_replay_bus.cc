@@ -1,4 +1,4 @@
-// A log as a bus: order, spacing, interfaces and filters, what is wrong with a log, and a real recording.
+// A log as a bus: order, spacing, interfaces and filters, errors of a log, and a real recording.
 #include <gmock/gmock.h>
 
 #include <poll.h>
@@ -17,7 +17,7 @@ using testing::IsEmpty;
 
 class Replay : public ProgramTest {
  protected:
-  /// Waits for the next frame by the bus's descriptor; false at the end of the log.
+  /// Waits for the next frame by the bus's descriptor; returns false at the end of the log.
   static bool receive(ReplayBus& bus, ReceivedFrame& frame) {
     while (!bus.try_receive(frame)) {
       if (is_cut_off(bus.state())) return false;
@@ -129,7 +129,7 @@ TEST_F(Replay, ALogThatIsWrongIsRefusedWithItsLine) {
   EXPECT_THAT(folder.trouble(), HasSubstr("is a directory"));
 }
 
-/// A program that was killed while it wrote.
+/// Log of a program that was killed while writing.
 TEST_F(Replay, ALastLineThatIsCutIsLeftOut) {
   const std::string whole = "(1.000000) can0 080#\n(1.000000) can0 181#0102030405060708\n";
   const std::string last = "(1.000100) can0 181#1112131415161718";

@@ -55,7 +55,7 @@ double angle_between(const Quat& a, const Quat& b) {
   return 2 * std::atan2(d.vec().norm(), std::abs(d.w()));
 }
 
-/// Angular velocity and velocity by a symmetric difference over +-e.
+/// Returns angular velocity and velocity by a symmetric difference over +-e.
 Twist difference_twist(const Motion& motion, double t, double e) {
   const Pose before = motion.target(0, t - e).X_WD, after = motion.target(0, t + e).X_WD;
   const Eigen::AngleAxis<Real> turn(Eigen::Quaternion<Real>(after.q * before.q.conjugate()));
@@ -72,7 +72,7 @@ std::string row(double t, const Pose& X) {
 
 const std::string pose_header = "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n";
 
-/// The built-in motion sampled at h for 2 s; jitter moves each time by up to that share of h; every third
+/// Samples the built-in motion at h for 2 s. jitter: largest shift of a time, as a share of h. Every third
 /// quaternion has the other sign.
 Motion sampled(double h, double jitter) {
   const Motion exact = built_in();
@@ -174,7 +174,7 @@ TEST(Motion, FastSpinKeepsItsDirection) {
   for (double t = 0; t < 0.05; t += 1.3e-4) EXPECT_NEAR(motion.target(0, t).V_WD.w.z(), 1000, 1e-6);
 }
 
-/// Robot logs repeat a sample until the next one comes: steps, to an interpolator.
+/// Robot logs repeat a sample until the next one comes, which appears as steps to an interpolator.
 TEST(Motion, HeldSamplesOvershootLittle) {
   std::string csv = pose_header;
   for (int i = 0; i < 60; ++i) {
@@ -190,7 +190,8 @@ TEST(Motion, HeldSamplesOvershootLittle) {
   }
 }
 
-/// Rest, a quick move, rest: between two samples the curve stays between them, however long the intervals beside are.
+/// Rest, a quick move, rest: between two samples the curve stays between them, however long the neighbouring
+/// intervals are.
 TEST(Motion, UnevenSamplesAreNotOvershot) {
   for (const double quick : {0.01, 0.001}) {
     const double length = quick == 0.01 ? 0.01 : 1;  // m
@@ -358,7 +359,7 @@ TEST(Motion, BadTablesAreRefusedWithTheirPlace) {
   EXPECT_THAT(errors(pose_header + "0,0,0\n"),
               ElementsAre(HasSubstr("m.csv:2:1: has 3 values, the header 8")));
   EXPECT_THAT(errors(pose_header), ElementsAre(HasSubstr("no samples")));
-  EXPECT_THAT(errors(""), ElementsAre(HasSubstr("no header")));
+  EXPECT_THAT(errors(""), ElementsAre(HasSubstr("the header line is missing")));
   EXPECT_THAT(Motion::read("no/such.csv", one_coupled_body()).errors,
               ElementsAre(HasSubstr("no/such.csv: cannot be read")));
 }
@@ -445,7 +446,7 @@ TEST(Motion, OtherColumnsAreNoted) {
   EXPECT_THAT(result.notes, ElementsAre(HasSubstr("column 'jaw' is not used")));
 }
 
-/// x at 1 ms each; the note, if any.
+/// Returns the note, if any, for samples of x at every 1 ms.
 std::vector<std::string> notes_on(const std::vector<double>& x) {
   std::string csv = "t,tool.x,tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\n";
   for (std::size_t i = 0; i < x.size(); ++i)
@@ -455,7 +456,7 @@ std::vector<std::string> notes_on(const std::vector<double>& x) {
 
 TEST(Motion, SuddenMovesAreNoted) {
   EXPECT_THAT(notes_on({0, 0.001, 0.002, 0.003, 0.004}), IsEmpty());
-  EXPECT_THAT(notes_on({0, 0, 0, 0.002, 0.004, 0.006}), IsEmpty());       // sets out
+  EXPECT_THAT(notes_on({0, 0, 0, 0.002, 0.004, 0.006}), IsEmpty());       // starts moving
   EXPECT_THAT(notes_on({0, 0.0001, 0.0002, 0.0008, 0.0009}), IsEmpty());  // slow
   EXPECT_THAT(
       notes_on({0, 0.001, 0.002, 1.003, 1.004, 1.005}),
@@ -470,7 +471,7 @@ std::string shared_dir() {
   return from_environment ? from_environment : GODOBJECT_SOURCE_DIR "/../shared";
 }
 
-/// A target that starts with the tool has the velocities the reference's case.json states.
+/// A target that starts with the tool has the velocities of the reference's case.json.
 TEST(Motion, ReferenceMotionHasTheStatedVelocities) {
   const std::string path = shared_dir() + "/reference/coupling-lissajous/motion.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
@@ -481,7 +482,7 @@ TEST(Motion, ReferenceMotionHasTheStatedVelocities) {
   EXPECT_LT((V.w - Vec3(3.76991118431, 3.45575191895, 6.78584013175)).norm(), 1e-6);
 }
 
-/// Between two samples 2 ms apart the curve must meet the reference's sample that was left out.
+/// Between two samples 2 ms apart the curve must meet the reference's omitted sample.
 TEST(Motion, ReferenceMotionPredictsTheSamplesLeftOut) {
   const std::string path = shared_dir() + "/reference/coupling-lissajous/motion.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;

@@ -1,4 +1,4 @@
-// A rig on the log of a run: it boots, follows and ends as it did, whatever its drives speak.
+// A rig on the log of a run: it boots, follows and ends as in the run, with every protocol of drives.
 #include "platform/rig/log_link.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using testing::HasSubstr;
 
 constexpr Nanoseconds period = 1'000'000;
 
-/// It turns every joint to and fro.
+/// Turns every joint to and fro.
 struct TurningHand final : Hand {
   explicit TurningHand(std::size_t joints) : num_joints(joints) {}
   bool moves_joints() const noexcept override { return true; }
@@ -56,7 +56,7 @@ struct Logged {
   std::uint64_t foreign = 0, incomplete = 0;
 };
 
-/// The cycles of RigDevice, from start to stop; goes_on: asked before each.
+/// Runs the cycles of RigDevice, from start to stop. goes_on: called before each.
 template <class GoesOn>
 Logged run(const RigParams& params, RigLink& link, int num_cycles, const GoesOn& goes_on) {
   Logged logged;
@@ -160,7 +160,7 @@ TEST_F(LogOfARig, OfDrivesWithoutCanopenIsARigToRunOn) {
   }
 }
 
-/// Nodes that were set up first, with long waits: requests and answers of SDO, and boot-ups, are before the
+/// Nodes that were configured first, with long waits: SDO requests and answers, and boot-ups, precede the
 /// first SYNC.
 TEST_F(LogOfARig, SettingUpIsLeftOut) {
   const RigParams params = arm_rig_params();
@@ -198,7 +198,7 @@ TEST_F(LogOfARig, ComplaintsNameTheFileAndTheLine) {
   EXPECT_THAT(link.read(std::vector<LogSource>(2, {.path = path("none.log"), .interface = ""})),
               HasSubstr("cannot"));
   EXPECT_THAT(link.read(std::vector<LogSource>(2, {.path = path("run.log"), .interface = "can5"})),
-              HasSubstr("holds nothing of can5"));
+              HasSubstr("holds no frame of can5"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The loop on a clock that the test moves: what runs late, what is skipped, and that the phase stays.
+// The loop on a clock controlled by the test: late cycles, skipped periods, and a constant phase.
 #include "platform/rt/cyclic.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using testing::ElementsAre;
 
 constexpr Nanoseconds period = 1000;
 
-/// Wakes exactly in time, or `oversleep` later once.
+/// Wakes exactly in time, or once `oversleep` later.
 struct FakeClock {
   Nanoseconds t = 0;
   Nanoseconds oversleep = 0;
@@ -27,7 +27,7 @@ struct FakeClock {
   }
 };
 
-/// Runs one cycle per entry, each taking that long; the times at which they started.
+/// Runs one cycle per entry, with that duration; returns their start times.
 std::vector<Nanoseconds> run(FakeClock& clock, Cyclic<FakeClock>& loop,
                              const std::vector<Nanoseconds>& costs) {
   std::vector<Nanoseconds> starts;
@@ -61,7 +61,7 @@ TEST(Cyclic, LateByLessThanAPeriodRunsAtOnceAndKeepsThePhase) {
 TEST(Cyclic, WholePeriodsMissedAreSkippedAndCounted) {
   FakeClock clock;
   Cyclic loop(clock, period);
-  // The second release was at 2000: at 4400 the ones at 2000 and 3000 are over, that of 4000 runs.
+  // The second release was at 2000: at 4400 those at 2000 and 3000 are over, and that of 4000 runs.
   EXPECT_THAT(run(clock, loop, {3400, 300, 300}), ElementsAre(1000, 4400, 5000));
   EXPECT_EQ(loop.statistics().late, 1u);
   EXPECT_EQ(loop.statistics().skipped, 2u);

@@ -1,4 +1,4 @@
-// What missed deadlines lead to: counted in periods, so that a test is the same each time.
+// Consequences of missed deadlines, counted in periods, so that the test is deterministic.
 #include "platform/rt/deadline_watch.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ TEST(DeadlineWatch, FiveInAWindowHoldUntilThereAreFewer) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_FALSE(watch.holds());
     keep(watch, 9);
-    watch.add(i % 2 == 0, i % 2 == 0 ? 0 : 1);  // late ones and ones left out count alike
+    watch.add(i % 2 == 0, i % 2 == 0 ? 0 : 1);  // late cycles and skipped periods count alike
   }
   EXPECT_TRUE(watch.holds());
   int held = 0;
@@ -83,7 +83,7 @@ struct FakeClock {
   }
 };
 
-/// The loop tells all there is to know.
+/// The loop passes all data that the watch needs.
 TEST(DeadlineWatch, HearsOfTheLoop) {
   constexpr Nanoseconds ms = 1'000'000;
   for (const auto& [stall, holds, lost] :

@@ -1,4 +1,5 @@
-// What a dying program still writes. tests/hil/test_ways_out.py has the same from the wire, for signals from outside.
+// Last frames of a dying program. tests/hil/test_ways_out.py tests the same from the wire, for signals from
+// outside.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ namespace {
 using testing::HasSubstr;
 using testing::KilledBySignal;
 
-/// A bus that is a pipe. Death tests run in a child: what it wrote is still in the pipe here.
+/// A pipe as a bus. Death tests run in a child process; its frames remain in the pipe.
 class Wire {
  public:
   Wire() { EXPECT_EQ(pipe2(ends_.data(), O_NONBLOCK), 0); }
@@ -41,7 +42,7 @@ class Wire {
   std::array<int, 2> ends_{};
 };
 
-/// Dies of `defect` with its words registered; nothing in the child may leave a core file.
+/// Dies of `defect` with registered frames; the child must not leave a core file.
 template <class Defect>
 void die(const Wire& wire, const Defect& defect) {
   const rlimit no_core{.rlim_cur = 0, .rlim_max = 0};
@@ -53,7 +54,7 @@ void die(const Wire& wire, const Defect& defect) {
 
 TEST(LastResort, TerminateWritesTheLastFrames) {
   const Wire wire;
-  EXPECT_EXIT(die(wire, [] { std::terminate(); }), KilledBySignal(SIGABRT), "the drives were told");
+  EXPECT_EXIT(die(wire, [] { std::terminate(); }), KilledBySignal(SIGABRT), "the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
@@ -70,18 +71,18 @@ TEST(LastResort, TheRestOfACutLineComesFirst) {
         const LastResort last({words});
         std::terminate();
       },
-      KilledBySignal(SIGABRT), "the drives were told");
+      KilledBySignal(SIGABRT), "the drives were commanded");
   EXPECT_EQ(wire.text(), "4400000000\rfirst second");
 }
 
 TEST(LastResort, AnExceptionThatEscapesWritesTheLastFrames) {
   const Wire wire;
   const auto escape = [] { std::thread([] { throw std::runtime_error("torn"); }).join(); };
-  EXPECT_EXIT(die(wire, escape), KilledBySignal(SIGABRT), "torn; the drives were told");
+  EXPECT_EXIT(die(wire, escape), KilledBySignal(SIGABRT), "torn; the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
-/// Each call needs room of its own, which the next one looks at.
+/// Each call needs stack space of its own, which the next one reads.
 std::size_t recurse(const volatile char* before, std::size_t depth) {
   volatile char room[4096];
   room[0] = before[0];
@@ -100,7 +101,7 @@ TEST(LastResort, AStackOverflowWritesTheLastFrames) {
                     const char begin = 1;
                     static_cast<void>(recurse(&begin, 1u << 20));
                   }),
-              KilledBySignal(SIGSEGV), "ended by SIGSEGV; the drives were told");
+              KilledBySignal(SIGSEGV), "ended by SIGSEGV; the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
@@ -114,7 +115,7 @@ TEST(LastResort, ABusThatTakesNothingDoesNotKeepTheOthers) {
         const LastResort last({full.words(), {.descriptor = -1, .writes = {"lost"}}, wire.words()});
         std::terminate();
       },
-      KilledBySignal(SIGABRT), "the drives were told");
+      KilledBySignal(SIGABRT), "the drives were commanded");
   EXPECT_EQ(wire.text(), "first second");
 }
 
@@ -127,7 +128,7 @@ TEST(LastResort, NothingElseIsWrittenAfterwards) {
       testing::ExitedWithCode(0), "");
 }
 
-/// Everything that ends or suspends a process by default has a fate; only two cannot have one.
+/// Every signal that ends or suspends a process by default has a fate, except two that cannot be caught.
 TEST(StopSignals, EverySignalHasAFate) {
   constexpr std::array harmless{SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
   for (int signal = 1; signal < 32; ++signal) {
@@ -149,7 +150,7 @@ TEST(StopSignals, TheSecondOneInsists) {
   EXPECT_EQ(signals.name(), "SIGHUP") << "the one that came first";
 }
 
-/// nohup: the terminal may go.
+/// nohup: the terminal may disappear.
 TEST(StopSignals, AHangUpThatWasIgnoredStaysSo) {
   std::signal(SIGHUP, SIG_IGN);
   {
@@ -160,7 +161,7 @@ TEST(StopSignals, AHangUpThatWasIgnoredStaysSo) {
   std::signal(SIGHUP, SIG_DFL);
 }
 
-/// The same frames as Rig::stop(), in the bytes of each kind of bus.
+/// The last frames are those of Rig::stop(), in the bytes of each kind of bus.
 TEST(LastFrames, AreThoseOfStoppingARig) {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/tests/hil/rig.toml");
   ASSERT_TRUE(loaded.scene.has_value());

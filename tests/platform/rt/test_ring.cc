@@ -10,7 +10,7 @@ namespace {
 
 struct Record {
   std::uint64_t number = 0;
-  std::uint64_t complement = 0;  // ~number: a torn record does not fit
+  std::uint64_t complement = 0;  // ~number: detects a torn record
 };
 
 TEST(Ring, KeepsOrderAndCountsWhatItCannotTake) {

@@ -1,4 +1,4 @@
-// The set-up's steps all report, whatever this machine permits.
+// All steps of the setup report a result, whatever this machine permits.
 #include "platform/rt/setup.h"
 
 #include <gmock/gmock.h>

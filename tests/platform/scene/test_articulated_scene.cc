@@ -1,4 +1,4 @@
-// Scenes with joints: what their files say, and which trees are refused and how.
+// Scenes with joints: contents of their files, and errors of invalid trees.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Three bodies "a", "b", "c" and these joints.
+/// Returns the errors of a scene with bodies "a", "b", "c" and these joints.
 std::vector<std::string> errors_of(const std::string& joints) {
   return parse_tool(body("a") + body("b") + body("c") + joints).errors;
 }
@@ -61,16 +61,17 @@ TEST(ArticulatedScene, ParentsComeFirstAndTheRestStaysInOrder) {
 TEST(ArticulatedScene, WhatIsNoTreeIsRefusedByTheNamesOfItsJoints) {
   const std::string world_a = joint("p", "hinge", "world", "a"), a_b = joint("q", "hinge", "a", "b");
   EXPECT_THAT(errors_of(world_a + a_b + joint("r", "ball", "b", "c") + joint("s", "ball", "c", "world")),
-              ElementsAre(HasSubstr("'child' is the world, which hangs on nothing: swap parent and child")));
+              ElementsAre(HasSubstr("'child' is the world, which cannot be a child: swap parent and child")));
   EXPECT_THAT(errors_of(world_a + a_b + joint("r", "ball", "b", "c") + joint("s", "ball", "world", "c")),
               ElementsAre(AllOf(HasSubstr("a.toml:"), HasSubstr("joints 'p', 'q', 'r', 's' close a loop"),
-                                HasSubstr("leave one of them out"))));
+                                HasSubstr("remove one of them"))));
   EXPECT_THAT(errors_of(a_b + joint("r", "ball", "b", "c") + joint("s", "ball", "c", "a")),
               ElementsAre(HasSubstr("joints 'r', 'q', 's' close a loop")));
-  EXPECT_THAT(
-      errors_of(a_b + joint("r", "hinge", "a", "b")),
-      ElementsAre(AllOf(HasSubstr("joints 'q' and 'r' both join 'a' and 'b'"), HasSubstr("held twice"))));
-  EXPECT_THAT(errors_of(a_b + joint("r", "hinge", "b", "a")), ElementsAre(HasSubstr("held twice")));
+  EXPECT_THAT(errors_of(a_b + joint("r", "hinge", "a", "b")),
+              ElementsAre(AllOf(HasSubstr("joints 'q' and 'r' both join 'a' and 'b'"),
+                                HasSubstr("constrains some motion twice"))));
+  EXPECT_THAT(errors_of(a_b + joint("r", "hinge", "b", "a")),
+              ElementsAre(HasSubstr("constrains some motion twice")));
   EXPECT_THAT(errors_of(a_b + joint("r", "hinge", "c", "b")),
               ElementsAre(AllOf(HasSubstr("body 'b' is the child of joints 'q' and 'r'"),
                                 HasSubstr("swap parent and child of one of them"))));
@@ -80,18 +81,18 @@ TEST(ArticulatedScene, WhatIsNoTreeIsRefusedByTheNamesOfItsJoints) {
 
 TEST(ArticulatedScene, UnknownBodiesAndTakenNamesAreRefused) {
   EXPECT_THAT(errors_of(joint("q", "hinge", "arm", "a")),
-              ElementsAre(AllOf(HasSubstr("a.toml:18:"), HasSubstr("'parent' is \"arm\", which is no body"),
+              ElementsAre(AllOf(HasSubstr("a.toml:18:"), HasSubstr("'parent' is \"arm\", which is not a body"),
                                 HasSubstr("\"world\", \"a\", \"b\", \"c\""))));
   EXPECT_THAT(errors_of(joint("q", "hinge", "world", "d")),
-              ElementsAre(HasSubstr("'child' is \"d\", which is no body")));
+              ElementsAre(HasSubstr("'child' is \"d\", which is not a body")));
   EXPECT_THAT(errors_of("[[joint]]\nname = \"q\"\n"), ElementsAre(HasSubstr("required key 'child'")));
   EXPECT_THAT(
       errors_of(joint("q", "hinge", "world", "a") + joint("q", "hinge", "a", "b", "coordinates = [\"r\"]\n")),
       ElementsAre(HasSubstr("is the name of an earlier joint")));
   EXPECT_THAT(
       errors_of(joint("q", "hinge", "world", "a") + joint("r", "hinge", "a", "b", "coordinates = [\"q\"]\n")),
-      ElementsAre(HasSubstr("has 'q', which is taken")));
-  EXPECT_THAT(parse_tool(body("world")).errors, ElementsAre(HasSubstr("what joints call the ground")));
+      ElementsAre(HasSubstr("has 'q', which is the name of another coordinate: choose another")));
+  EXPECT_THAT(parse_tool(body("world")).errors, ElementsAre(HasSubstr("the name of the ground in joints")));
 }
 
 TEST(ArticulatedScene, KeysThatDoNotFitTheKindAreRefused) {
@@ -107,10 +108,10 @@ TEST(ArticulatedScene, KeysThatDoNotFitTheKindAreRefused) {
   EXPECT_THAT(errors("hinge", "imposed = 1\n"),
               ElementsAre(HasSubstr("must be true or false, not an integer")));
   EXPECT_THAT(errors("universal", "axis = [1, 0, 0]\n"),
-              ElementsAre(HasSubstr("'axis' has no meaning here")));
+              ElementsAre(HasSubstr("'axis' has no meaning for this kind of joint")));
   EXPECT_THAT(errors("hinge", "axis = [1, 1, 0]\n"), ElementsAre(HasSubstr("'axis' must have length 1")));
   EXPECT_THAT(errors("hinge", "axis = [1, 0, 0]\nchild_orientation_wxyz = [1, 0, 0, 0]\n"),
-              ElementsAre(HasSubstr("say the same thing")));
+              ElementsAre(HasSubstr("both give the axis")));
   EXPECT_THAT(errors("hing", ""), ElementsAre(HasSubstr("nearest is \"hinge\"")));
 }
 
@@ -151,7 +152,7 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreAdvisedAgainst) {
               ElementsAre(HasSubstr("0 m and 3.14 rad")));
 }
 
-/// Of every kind, with bodies anywhere: the run begins with the joints together, and with their coordinates.
+/// Joints of every kind, with bodies anywhere: the run begins with the joints closed, at their coordinates.
 TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -182,7 +183,7 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
                    joint("r", kind(3), "b", "c", anywhere("parent_") + anywhere("child_")));
     ASSERT_THAT(loaded.errors, IsEmpty());
     EXPECT_THAT(loaded.warnings,
-                testing::Each(AllOf(HasSubstr("is apart by"), HasSubstr("the run begins with body"))));
+                testing::Each(AllOf(HasSubstr("is apart by"), HasSubstr("the run starts with body"))));
     EXPECT_THAT(loaded.warnings.size(), testing::Ge(1u));
     for (const JointConfig& j : loaded.scene->joints) {
       const JointGap gap = gap_at_start(loaded.scene->bodies, j);
@@ -193,7 +194,7 @@ TEST(ArticulatedScene, JointsApartAtTheStartAreBroughtTogether) {
   }
 }
 
-/// A joint that holds stays as it is, also below one that does not: a chain is moved as a whole.
+/// A closed joint stays as it is, also below an open one: a chain moves as a whole.
 TEST(ArticulatedScene, BodiesBelowAJointThatIsApartMoveWithIt) {
   const LoadResult loaded = parse_tool(
       body("a", "position = [0.1, 0, 0]\n") + body("b", "position = [0.3, 0, 0]\n") +
@@ -208,7 +209,7 @@ TEST(ArticulatedScene, ImposedJointsNeedADeviceThatMeasuresThem) {
   const std::string tool = body("a", "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n") +
                            body("b") + joint("p", "hinge", "world", "a") +
                            joint("q", "hinge", "a", "b", "imposed = true\n");
-  EXPECT_THAT(parse_tool(tool).errors, ElementsAre(HasSubstr("'q' is imposed: it needs a [device]")));
+  EXPECT_THAT(parse_tool(tool).errors, ElementsAre(HasSubstr("'q' is imposed and requires a [device]")));
   const std::string other_device =
       "[[bus]]\nname = \"can0\"\n[device]\nname = \"d\"\n[[device.joint]]\nname = \"p\"\n"
       "[[device.encoder]]\njoint = \"p\"\nbus = \"can0\"\nnode_id = 1\ncounts_per_turn = 4096\n";

@@ -1,4 +1,4 @@
-// Contacts in scene files: what they say is what the core is told, and what is wrong is refused with its place.
+// Contacts in scene files: the core gets their values, and errors are reported with their place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ std::string contact(const std::string& a, const std::string& b, const std::strin
 
 const std::string brick_on_board = scene_and_brick + board + contact("wood", "plastic", "friction = 0.3\n");
 
-/// As if it stood in the directory of tests: files that it names are there.
+/// Parses text as a scene in the directory of tests, where its files are.
 LoadResult parse(const std::string& text) { return parse_scene(text, testing::TempDir() + "/a.toml"); }
 
 SceneConfig loaded(const std::string& text) {
@@ -66,7 +66,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// Name of a file in the directory of tests, with this text.
+/// Writes a file with this text to the directory of tests and returns its name.
 std::string written(const std::string& name, const std::string& text) {
   const std::string file = "godobject_" + name;
   std::ofstream(testing::TempDir() + "/" + file) << text;
@@ -136,10 +136,12 @@ TEST(ContactScene, LikeReplacesWhatIsGiven) {
 }
 
 TEST(ContactScene, LikeNeedsAnEarlierBody) {
-  EXPECT_THAT(parse(scene_and_brick + "\n[[body]]\nname = \"b2\"\nlike = \"block\"\n").errors,
-              ElementsAre(AllOf(HasSubstr("a.toml:24:"), HasSubstr("\"block\", which is no earlier body"))));
+  EXPECT_THAT(
+      parse(scene_and_brick + "\n[[body]]\nname = \"b2\"\nlike = \"block\"\n").errors,
+      ElementsAre(AllOf(HasSubstr("a.toml:24:"),
+                        HasSubstr("\"block\", which is not an earlier body: name a body above this one"))));
   EXPECT_THAT(parse(scene_and_brick + "\n[[body]]\nname = \"b2\"\nlike = \"b2\"\n").errors,
-              ElementsAre(HasSubstr("which is no earlier body")));
+              ElementsAre(HasSubstr("which is not an earlier body")));
 }
 
 TEST(ContactScene, EffectiveConfigurationReadsBackAsTheSame) {
@@ -194,11 +196,11 @@ TEST(ContactScene, WrongContactsAreRefused) {
               ElementsAre(HasSubstr("'materials' are those of an earlier [[contact]]")));
   EXPECT_THAT(
       errors(contact("wood", "plastic", "friction = 1\ntangential_stiffness = 0\ntangential_damping = 0\n")),
-      ElementsAre(HasSubstr("must not both be zero where there is friction")));
+      ElementsAre(HasSubstr("must not both be zero if friction is above 0")));
   EXPECT_THAT(errors(replaced(contact("wood", "plastic"), "1000", "0")),
               ElementsAre(AllOf(HasSubstr("'stiffness' is 0,"), HasSubstr("> 0 (N/m)"))));
   EXPECT_THAT(parse(brick_on_board + contact("wood", "plstic")).warnings,
-              ElementsAre(HasSubstr("has 'plstic', of which nothing is made")));
+              ElementsAre(HasSubstr("has 'plstic', which no sphere, shape, obstacle or net has")));
 }
 
 TEST(ContactScene, DimensionsBelongToTheKind) {

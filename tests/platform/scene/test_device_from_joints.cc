@@ -27,17 +27,17 @@ const std::string encoder =
 TEST(DeviceFromJoints, WhatHasNoEncoderOrDoesNotMoveIsRefused) {
   const std::string coupling = "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n";
   EXPECT_THAT(parse_tool(body("a", coupling) + joint("p", "ball", "world", "a") + encoder).errors,
-              testing::Contains(HasSubstr("joint 'p' is a ball joint, which no encoder measures")));
+              testing::Contains(HasSubstr("joint 'p' is a ball joint, which encoders cannot measure")));
   EXPECT_THAT(
       parse_tool(body("a") + body("b", coupling) + joint("p", "hinge", "world", "a") + encoder).errors,
-      testing::Contains(HasSubstr("lead from the world to body 'b'")));
+      testing::Contains(HasSubstr("connect the world to body 'b'")));
 }
 
 TEST(DeviceFromJoints, NoCoordinateIsCalledLikeTheBase) {
   const std::string coupling = "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n";
   EXPECT_THAT(
       parse_tool(body("a", coupling) + joint("base", "hinge", "world", "a") + encoder).errors,
-      testing::Contains(HasSubstr("coordinate 'base' of joint 'base' is what the device's base is called")));
+      testing::Contains(HasSubstr("coordinate 'base' of joint 'base' is the name of the device's base")));
 }
 
 TEST(DeviceFromJoints, HandlesAndMotionsReferToItsJoints) {
@@ -65,7 +65,7 @@ TEST(DeviceFromJoints, HandlesAndMotionsReferToItsJoints) {
 const std::string moved_p = "[motion]\n[[motion.joint]]\ncoordinate = \"p\"\namplitude = 0.5\n";
 const std::string coupled = "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n";
 
-/// No encoders, no buses: the joints of the tool are the device's all the same, or those that it lists.
+/// Without encoders and buses the joints of the tool are still the device's, or those that it lists.
 TEST(DeviceFromJoints, AMotionMovesJointsThatNothingMeasures) {
   const std::string tool = body("a", coupled) + joint("p", "hinge", "world", "a");
   const std::string device = "[device]\nname = \"d\"\n", own = "[[device.joint]]\nname = \"p\"\n";
@@ -92,14 +92,14 @@ TEST(DeviceFromJoints, UnmeasuredJointsAreRefusedBesideAnotherHand) {
   const std::string mouse = "[device.spacemouse]\nbody = \"a\"\n";
   EXPECT_THAT(parse_tool(tool + mouse).errors, IsEmpty()) << "the tool's joints are not the mouse's";
   EXPECT_THAT(parse_tool(tool + mouse + "[[device.joint]]\nname = \"p\"\n").errors,
-              testing::Contains(HasSubstr("are measured by nothing")));
+              testing::Contains(HasSubstr("are not measured")));
   EXPECT_THAT(parse_tool(tool + "[[bus]]\nname = \"can0\"\n[[device.joint]]\nname = \"p\"\n").errors,
-              testing::Contains(HasSubstr("nothing measures joint 'p'")));
+              testing::Contains(HasSubstr("joint 'p' is not measured")));
   EXPECT_THAT(parse_tool(tool + "[device.supervision]\nlost_after = 0.1\n").errors,
               testing::Contains(HasSubstr("need a [[bus]]")));
 }
 
-/// A random tree of these kinds with random frames, every body coupled.
+/// Returns a random tree of these kinds with random frames, every body coupled.
 SceneConfig random_tool(std::mt19937& random, const std::vector<JointKind>& kinds) {
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };

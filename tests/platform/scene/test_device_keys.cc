@@ -25,7 +25,7 @@ std::string handle(const std::string& of_body, const std::string& on_joint, cons
   return "[[device.handle]]\nbody = \"" + of_body + "\"\njoint = \"" + on_joint + "\"\n" + more;
 }
 
-/// The device has the tables given, and an encoder on each of its joints a, b and c.
+/// Returns a scene with these device tables, and an encoder on each of its joints a, b and c.
 std::string scene(const std::string& device, const std::string& chain = "") {
   std::string text = "[scene]\nname = \"test\"\n" + body("ground", false) + body("shaft") + body("jaw") +
                      "[[bus]]\nname = \"can0\"\n[device]\nname = \"d\"\n" + chain + device;
@@ -60,7 +60,7 @@ TEST(DeviceKeys, ParentsMustBeEarlierJoints) {
   EXPECT_THAT(load(scene(joint("a") + joint("b", "parent = \"b\"\n") + joint("c"))).errors,
               ElementsAre(HasSubstr("'parent' is \"b\"")));
   EXPECT_THAT(load(scene(joint("base") + serial)).errors,
-              Contains(HasSubstr("'name' is what the base is called")));
+              Contains(HasSubstr("'name' is the name of the base")));
 }
 
 TEST(DeviceKeys, WithoutHandlesThereIsOneOnTheLastJointForTheFirstCoupledBody) {
@@ -213,12 +213,12 @@ TEST(DeviceKeys, ProtocolsThatDoNotFitAreRefused) {
 
 TEST(DeviceKeys, ButtonsHaveAnInputOfTheirOwn) {
   EXPECT_THAT(load(scene(serial) + button(9, 1) + button(9, 1)).errors,
-              ElementsAre(HasSubstr("'bit' is that of an earlier button")));
+              ElementsAre(HasSubstr("'bit' is the input of an earlier button: choose another")));
   EXPECT_THAT(load(scene(serial) + button(2, 1)).errors,
               ElementsAre(HasSubstr("'node_id' is taken by the host or by another device")));
 }
 
-/// a turns, b and c slide.
+/// Returns a scene in which a turns, b and c slide.
 std::string mixed(const std::string& plant) {
   std::string text = scene("[device.plant]\n" + plant + joint("a") + joint("b", "kind = \"slider\"\n") +
                            joint("c", "kind = \"slider\"\n"));

@@ -1,4 +1,4 @@
-// Meshes and grids from files: what a point sees of them is what was drawn.
+// Meshes and grids from files: queries of points agree with the drawn shape.
 #include "platform/scene/mesh/file.h"
 
 #include <gmock/gmock.h>
@@ -73,7 +73,7 @@ TEST(MeshFile, IsReadAsItIsWrittenElsewhere) {
 }
 
 TEST(MeshFile, AFaceOfManyCornersIsCutWhereItIsBentInward) {
-  // An arrow head along z: the corner at the dent, number 4, sees all of it.
+  // An arrow head along z: from the corner at the dent, number 4, all of it is visible.
   const std::string corners = "v 0 0 Z\nv 2 -1 Z\nv 0 3 Z\nv -2 -1 Z\n";
   const std::string arrow = std::regex_replace(corners, std::regex("Z"), "0") +
                             std::regex_replace(corners, std::regex("Z"), "1") +
@@ -89,32 +89,33 @@ TEST(MeshFile, AFaceOfManyCornersIsCutWhereItIsBentInward) {
   EXPECT_EQ(why_not("z.obj",
                     "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\n"
                     "f 1 2 3 4 5 6 7 8\n"),
-            "z.obj: line 9: a face of 8 corners is bent, or has no corner that sees all of it: cut it into "
+            "z.obj: line 9: a face of 8 corners is not flat, or not star-shaped from any corner: cut it into "
             "triangles with a mesh editor");
 }
 
 TEST(MeshFile, SaysWhereItIsWrong) {
   EXPECT_THAT(why_not("a.ply", "ply\nformat ascii "),
-              HasSubstr("no line \"end_header\": is the file whole?"));
+              HasSubstr("no line \"end_header\": export the file again"));
   EXPECT_EQ(why_not("a.ply", changed(cube_ply(), "4 0 2", "4 0 99")),
             "a.ply: face 0: there is no vertex 99 (counted from 0): the file has 8");
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "4 0 2", "4 0 -2")),
               HasSubstr("face 0: there is no vertex"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "face 6", "face 18446744073709551615")),
-              HasSubstr("face 6: the file ends here"));
+              HasSubstr("face 6: the file ends too early"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "face 6", "face many")),
-              HasSubstr("line 8: 'many' is no number of elements"));
+              HasSubstr("line 8: 'many' is not a number of elements"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "float z", "half z")),
-              HasSubstr("line 7: 'half' is no type"));
+              HasSubstr("line 7: 'half' is not a type"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "vertex_indices", "strips")),
               HasSubstr("no list vertex_indices"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "element face", "element gap 7\nelement face")),
               HasSubstr("element 'gap' has no properties"));
   EXPECT_EQ(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 9")),
             "a.obj: line 9: there is no vertex 8 (counted from 0): the file has 8");
-  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 0")), HasSubstr("line 9: '0' is no vertex"));
+  EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 0")),
+              HasSubstr("line 9: '0' is not a vertex number"));
   EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "f 1 3", "f 1 -9")),
-              HasSubstr("line 9: '-9' is no vertex"));
+              HasSubstr("line 9: '-9' is not a vertex number"));
   EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "v 0.000000", "v 1e39")),
               HasSubstr("line 1: a coordinate"));
   EXPECT_THAT(why_not("a.obj", changed(cube_obj(), "v 0.000000", "v nan")),
@@ -123,11 +124,11 @@ TEST(MeshFile, SaysWhereItIsWrong) {
               HasSubstr("line 1: 'x\\x1B[31m' is not a number"));
   EXPECT_THAT(why_not("a.stl", changed(cube_stl(), "endloop\nendfacet", "endloop\nfacet")),
               HasSubstr("line 15: a facet has 6 vertices, not 3"));
-  EXPECT_THAT(why_not("a.stl", cube_stl().substr(0, 100)), HasSubstr("is it whole?"));
-  EXPECT_THAT(why_not("a.stl", cube_binary_stl().substr(0, 300)), HasSubstr("is it whole?"));
+  EXPECT_THAT(why_not("a.stl", cube_stl().substr(0, 100)), HasSubstr("export it again"));
+  EXPECT_THAT(why_not("a.stl", cube_binary_stl().substr(0, 300)), HasSubstr("export it again"));
 }
 
-/// The nearest any file of this size came was some milliseconds.
+/// The slowest file of this size took some milliseconds.
 constexpr double longest_s = 2;
 
 TEST(MeshFile, MutatedFilesAreReadOrRefusedAtOnce) {
@@ -153,7 +154,7 @@ TEST(MeshFile, MutatedFilesAreReadOrRefusedAtOnce) {
 }
 
 TEST(MeshFile, AFewLargeTrianglesAmongManySmallOnesTakeNoLonger) {
-  // Needles of 1 m on a cube of 1 mm: cells as large as the mean edge would be cut by the million.
+  // Needles of 1 m on a cube of 1 mm: cells of the mean edge length would be millions.
   std::string text = cube_obj();
   for (int i = 0; i < 20'000; ++i)
     for (const Vec3& p : {Vec3(i, 0, 0), Vec3(i + 1, 0, 0), Vec3(i, 1, 0)}) text += "v " + text_of(1e-4 * p);
@@ -174,7 +175,8 @@ TEST(MeshFile, AFewLargeTrianglesAmongManySmallOnesTakeNoLonger) {
 
 TEST(MeshFile, SaysWhatItCannotRead) {
   MeshData data;
-  EXPECT_THAT(read_mesh(written("cube.txt", cube_obj()), 1, data), HasSubstr("ends in .stl, .obj or .ply"));
+  EXPECT_THAT(read_mesh(written("cube.txt", cube_obj()), 1, data),
+              HasSubstr("must end in .stl, .obj or .ply"));
   EXPECT_THAT(read_mesh(testing::TempDir() + "/godobject_no_such.stl", 1, data), HasSubstr("cannot be read"));
   EXPECT_THAT(read_mesh(written("broken.ply", "ply\nformat"), 1, data), HasSubstr("broken.ply"));
 }
@@ -192,7 +194,7 @@ TEST(MeshFile, AnInsideOutMeshIsNoSolid) {
   for (TriangleIndices& t : data.triangles) std::swap(t[0], t[1]);
   std::string why_not;
   EXPECT_EQ(MeshSolid::make(data, why_not), nullptr);
-  EXPECT_THAT(why_not, HasSubstr("inside is outside"));
+  EXPECT_THAT(why_not, HasSubstr("triangles face inwards"));
 }
 
 TEST(HeightFile, RowsAreAlongX) {

@@ -1,5 +1,4 @@
-// [[net]] in scene files: what is read is what was meant, defaults are those of the documentation, and what is wrong is
-// refused with its place.
+// [[net]] in scene files: values, documented defaults, and errors with their place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,7 +51,7 @@ SceneConfig loaded(const std::string& text) {
   return result.scene.value_or(SceneConfig{});
 }
 
-/// The only error.
+/// Returns the only error.
 std::string error_of(const std::string& text) {
   const LoadResult result = parse(text);
   EXPECT_EQ(result.errors.size(), 1U) << testing::PrintToString(result.errors);
@@ -77,7 +76,7 @@ TEST(NetKeys, DefaultsAreWhatTheDocumentationSays) {
   EXPECT_NEAR(*net.held_stiffness, 5 * std::sqrt(3.0) * 100, 1e-9);
   const double T = 0.05;
   EXPECT_NEAR(*net.anchor_stiffness, 64 / (1.4 * 1.4) * net.surface_density / (T * T), 1e-6);
-  // On its anchor alone a node is damped as couplings are: g = 1.4 sqrt(k m).
+  // A node on its anchor alone is damped like couplings: g = 1.4 sqrt(k m).
   for (const NetNode& node : scene_nets(scene).nodes)
     EXPECT_NEAR(node.g, 1.4 * std::sqrt(node.k * node.m), 1e-12);
   const double m = 0.02 / static_cast<double>(net.surface.vertices.size()), k = std::sqrt(3.0) / 2 * 100;
@@ -141,13 +140,13 @@ TEST(NetKeys, WhatIsWrongIsRefusedWithItsPlace) {
                "\n[[net]]\nname = \"x\"\nbody = \"rot\"\nkind = \"sphere\"\nradius = 0.02\nspacing = 0.01\n" +
                numbers),
       testing::AllOf(HasSubstr("a.toml:11:8: "),
-                     HasSubstr("\"rot\", which is no body: admissible is \"world\", \"rod\"")));
+                     HasSubstr("\"rot\", which is not a body: admissible is \"world\", \"rod\"")));
   EXPECT_THAT(error_of(with("length = 0.1\n")), HasSubstr("has no meaning for this kind of shape"));
-  EXPECT_THAT(error_of(with("surface_density = 0.1\n")), HasSubstr("say the same thing"));
+  EXPECT_THAT(error_of(with("surface_density = 0.1\n")), HasSubstr("give the same quantity"));
   EXPECT_THAT(error_of(with("rim = true\n")), HasSubstr("the surface is closed"));
   EXPECT_THAT(error_of(with("stifness = 3\n")), HasSubstr("stifness"));
   EXPECT_THAT(error_of(with("[[net.held]]\nposition = [1.0, 0.0, 0.0]\nradius = 0.01\n")),
-              HasSubstr("there is no vertex within"));
+              HasSubstr("no node is inside the ball"));
   EXPECT_THAT(error_of(head + bag + numbers + bag + numbers), HasSubstr("is the name of an earlier net"));
   EXPECT_THAT(error_of(head + bag + "mass = 0.02\nmembrane_stiffness = -1.0\nsettling_time = 0.1\n"),
               HasSubstr("membrane_stiffness"));
@@ -189,23 +188,23 @@ TEST(NetKeys, AttachmentsThatAreWrongAreRefusedWithTheirPlace) {
   const std::string tip = "[0.0, 0.0, 0.07]", ball = "radius = 0.02\n";
   EXPECT_THAT(error_of(with("nedle", tip, ball)),
               testing::AllOf(HasSubstr("a.toml:26:8: "),
-                             HasSubstr("no body: admissible is \"world\", \"rod\", \"needle\"")));
-  EXPECT_THAT(error_of(with("rod", tip, ball)), HasSubstr("hold vertices there by [[net.held]]"));
+                             HasSubstr("not a body: admissible is \"world\", \"rod\", \"needle\"")));
+  EXPECT_THAT(error_of(with("rod", tip, ball)), HasSubstr("hold nodes there by [[net.held]]"));
   EXPECT_THAT(error_of(with("needle", "[1.0, 0.0, 0.0]", ball)),
-              testing::AllOf(HasSubstr("a.toml:28:10: "), HasSubstr("there is no vertex within")));
+              testing::AllOf(HasSubstr("a.toml:28:10: "), HasSubstr("no node is inside the ball")));
   EXPECT_THAT(error_of(with("needle", tip)), HasSubstr("'radius'"));
   EXPECT_THAT(error_of(with("needle", tip, ball + "stiffness = 0.0\n")), HasSubstr("stiffness"));
   EXPECT_THAT(loaded(with("world", tip, ball)).nets[0].attached, testing::SizeIs(1));
   EXPECT_THAT(error_of(with("needle", tip, "radius = 1.0\n")),
               testing::AllOf(HasSubstr("a.toml:25:1: "),
-                             HasSubstr("attachments, and there is room for 256: take smaller balls")));
+                             HasSubstr("attachments, above the capacity of 256: use smaller balls")));
 }
 
 TEST(NetKeys, MoreThanThereIsRoomForIsRefusedWithWhatFits) {
   const std::string fine =
       "\n[[net]]\nname = \"x\"\nkind = \"sphere\"\nradius = 0.05\nspacing = 0.001\nbody = \"rod\"\n";
   EXPECT_THAT(error_of(head + fine + numbers),
-              testing::AllOf(HasSubstr("a.toml:13:11: "), HasSubstr("there is room for 1536 of 1536"),
+              testing::AllOf(HasSubstr("a.toml:13:11: "), HasSubstr("above the capacity of 1536 of 1536"),
                              HasSubstr("m or above fits")));
   std::string many = head;
   for (int i = 0; i < 3; ++i)
@@ -217,14 +216,14 @@ TEST(NetKeys, MoreThanThereIsRoomForIsRefusedWithWhatFits) {
 
 TEST(NetKeys, WhatIsUnwiseIsAWarning) {
   const auto with = [](const std::string& line) { return head + bag + numbers + line; };
-  EXPECT_THAT(warning_of(with("thickness = 0.004\n")), HasSubstr("passes between the nodes"));
+  EXPECT_THAT(warning_of(with("thickness = 0.004\n")), HasSubstr("pass between the nodes"));
   EXPECT_THAT(warning_of(with("anchor_stiffness = 1.0\nrelaxation_time = 0.0\n")), HasSubstr("creeps back"));
   EXPECT_THAT(warning_of(head + bag + "mass = 0.02\nmembrane_stiffness = 1e6\nsettling_time = 0.05\n"),
-              HasSubstr("more than a dozen iterations"));
+              HasSubstr("more than 12 iterations"));
   EXPECT_THAT(
       warning_of(head + "\n[[net]]\nname = \"x\"\nkind = \"sphere\"\nradius = 0.02\nspacing = 0.01\n" +
                  numbers),
-      HasSubstr("nothing holds net 'x'"));
+      HasSubstr("net 'x' is not held"));
 }
 
 TEST(NetKeys, NodesMeetObstaclesAndBodiesOfOtherTools) {
@@ -240,7 +239,7 @@ material = "wood"
   const std::string law = "\n[[contact]]\nmaterials = [\"rubber\", \"wood\"]\nstiffness = 1000\n";
   const SceneConfig scene = loaded(rubber + law);
   EXPECT_EQ(contact_scope(scene), ContactScope::obstacles);
-  // A damping ratio of one is about the lightest of what touches: a node.
+  // A damping ratio refers to the lightest item in contact: a node.
   const double m = 0.02 / static_cast<double>(scene.nets[0].surface.vertices.size());
   EXPECT_NEAR(scene.contacts[0].damping, 1.4 * std::sqrt(1000 * m), 1e-9);
 

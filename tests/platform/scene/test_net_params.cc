@@ -1,5 +1,5 @@
-// Nets in the core's terms: masses, springs and anchors are those of the physical numbers; a stretched sheet has the
-// membrane stiffness that was asked for.
+// Nets in the core's terms: masses, springs and anchors have the physical values; a stretched sheet has the
+// specified membrane stiffness.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -92,7 +92,7 @@ TEST(NetParams, SpringsAreTheEdgesInTheirOrder) {
     net.bending = bending;
     const SceneNets nets = scene_nets(scene_of({net}));
     const std::size_t edges = edges_of(net.surface).size();
-    // Closed: every edge has one across it, but where that is an edge, too.
+    // Closed: every edge has a bending spring across it, unless that is an edge too.
     EXPECT_LE(nets.springs.size(), bending == 0 ? edges : 2 * edges);
     EXPECT_GE(nets.springs.size(), bending == 0 ? edges : 2 * edges - 12);
     EXPECT_EQ(nets.springs.size(), num_springs(net));
@@ -173,7 +173,8 @@ TEST(NetParams, RimAndBallsAreHeldByStifferAnchors) {
   EXPECT_LT(num_held, nets.nodes.size());
 }
 
-/// What a sheet's springs, linearised, do when its two ends along x are moved apart by a strain: E t and Poisson's ratio.
+/// Stiffness E t and Poisson's ratio of a sheet's linearised springs, when its two ends along x are displaced
+/// by a strain.
 struct Elasticity {
   double E_t = 0, nu = 0;
 };
@@ -191,7 +192,7 @@ Elasticity stretched(const NetConfig& net) {
     K.block<2, 2>(i, j) -= k;
     K.block<2, 2>(j, i) -= k;
   }
-  // x of the nodes at both ends is given; so is y of one of them. The rest is free.
+  // x of the nodes at both ends is prescribed, and y of one of them; the others are free.
   const double half = *net.length / 2 - 0.51 * *net.spacing, strain = 1e-3;
   std::vector<Eigen::Index> given, free;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -231,7 +232,7 @@ TEST(NetParams, AStretchedSheetHasTheMembraneStiffness) {
   }
 }
 
-/// As meshes often are: squares with a diagonal.
+/// Returns a sheet of squares with a diagonal, as meshes often are.
 NetConfig squares(int columns, int rows, double side) {
   NetConfig net = sheet(columns * side, rows * side, side);
   net.surface = {};
@@ -259,7 +260,7 @@ TEST(NetParams, SoDoesAMeshOfSquaresWithDiagonals) {
   EXPECT_NEAR(e.E_t / net.membrane_stiffness, 1, 0.35);
 }
 
-/// M^-1 K of the linearised net, in three coordinates a node.
+/// Returns the eigenvalues of M^-1 K of the linearised net, in three coordinates a node.
 Eigen::VectorXd squared_frequencies(const SceneNets& nets) {
   const auto n = static_cast<Eigen::Index>(nets.nodes.size());
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * n, 3 * n), M = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -290,7 +291,7 @@ TEST(NetParams, TimeConstantsAreBoundsOfTheNetsOwn) {
     const double fastest = 1 / std::sqrt(omega_sq.maxCoeff());
     EXPECT_LE(times.fastest, fastest);
     EXPECT_GT(times.fastest, 0.5 * fastest);
-    // All anchors are alike: the slowest modes are those of rigid motion, with which no spring moves.
+    // All anchors are equal: the slowest modes are rigid motions, which do not stretch springs.
     const double d = 8 / net.settling_time / 2, slowest_sq = omega_sq.minCoeff();
     EXPECT_NEAR(slowest_sq, *net.anchor_stiffness / net.surface_density, 1e-6 * slowest_sq);
     ASSERT_LT(slowest_sq, d * d) << "overdamped";
@@ -301,7 +302,7 @@ TEST(NetParams, TimeConstantsAreBoundsOfTheNetsOwn) {
       << "it never comes back to where it was";
 }
 
-/// A few nodes on anchors, all drawn, with springs between any two; at rest.
+/// Returns a few nodes on anchors, all random, with springs between any two, at rest.
 SceneNets drawn_net(std::mt19937_64& engine) {
   const auto log_uniform = [&](double a, double b) {
     return std::exp(std::uniform_real_distribution<double>(std::log(a), std::log(b))(engine));
@@ -323,7 +324,7 @@ SceneNets drawn_net(std::mt19937_64& engine) {
   return nets;
 }
 
-/// 1 / the slowest decay of M x'' + G x' + K x = 0, by the eigenvalues of its companion matrix.
+/// Returns 1 / the slowest decay of M x'' + G x' + K x = 0, by the eigenvalues of its companion matrix.
 double slowest_of(const SceneNets& nets) {
   const auto n = 3 * static_cast<Eigen::Index>(nets.nodes.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);  // of (x, x')

@@ -1,4 +1,4 @@
-// Surfaces of nets: nearly equal edges, areas, closed or open, in order; and what cannot be one is refused.
+// Surfaces of nets: nearly equal edges, areas, closed or open, in order; errors of invalid ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Drawn {
   double area;  // of the smooth surface, m^2
 };
 
-/// Sizes of 2 cm to 30 cm, spacings of an eighth to a third of the smallest.
+/// Returns a random surface of 2 cm to 30 cm, with a spacing of an eighth to a third of the smallest size.
 Drawn drawn(NetKind kind, std::mt19937& random) {
   std::uniform_real_distribution<double> size(0.02, 0.15), part(0.125, 0.33);
   Drawn d;
@@ -75,7 +75,7 @@ TEST(NetSurface, AreasAreThoseOfTheSmoothSurface) {
       EXPECT_NEAR(error, 0, 1e-12);
       return;
     }
-    // Chords of length s instead of arcs on a radius r lose s^2 / (24 r^2) of a length.
+    // Chords of length s instead of arcs of radius r shorten a length by the factor s^2 / (24 r^2).
     const double s_r = *d.net.spacing / *d.net.radius;
     EXPECT_LT(error, 1e-12);
     EXPECT_GT(error, -0.25 * s_r * s_r);
@@ -122,7 +122,7 @@ TEST(NetSurface, VerticesAreOnTheShape) {
   });
 }
 
-/// Largest distance of the numbers of two neighbours.
+/// Returns the largest difference of the numbers of two neighbours.
 std::uint32_t bandwidth(const MeshData& surface) {
   std::uint32_t widest = 0;
   for (const SurfaceEdge& e : edges_of(surface)) widest = std::max(widest, e.j - e.i);
@@ -132,7 +132,7 @@ std::uint32_t bandwidth(const MeshData& surface) {
 TEST(NetSurface, NumbersOfNeighboursAreNearWhateverTheFile) {
   std::mt19937 random(7);
   each_drawn([&](const Drawn& d, const MeshData& surface) {
-    // As a mesh file may have it: vertices in any order, along x.
+    // Vertices in any order, as in a mesh file, along x.
     std::vector<std::uint32_t> place(surface.vertices.size());
     for (std::uint32_t i = 0; i < place.size(); ++i) place[i] = i;
     std::ranges::shuffle(place, random);
@@ -168,7 +168,7 @@ TEST(NetSurface, SpacingThatFitsIsSaid) {
     net.half_length = 0.05;
     net.spacing = spacing;
     const std::string why_not = make_surface("", max_net_nodes, net);
-    EXPECT_THAT(why_not, HasSubstr("there is room for 1536"));
+    EXPECT_THAT(why_not, HasSubstr("above the capacity of 1536"));
     if (spacing < 1e-50) continue;
     const std::size_t at = why_not.find("a spacing of ");
     ASSERT_NE(at, std::string::npos);
@@ -187,18 +187,18 @@ TEST(NetSurface, ExpectedVerticesAreWithinAFactorOfTwo) {
   });
 }
 
-/// A square of two triangles.
+/// Returns a square of two triangles.
 MeshData square() {
   return {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
 TEST(NetSurface, WhatIsNoneIsRefusedWithItsPlace) {
   EXPECT_THAT(why_no_net(square()), IsEmpty());
-  EXPECT_THAT(why_no_net({}), HasSubstr("has no triangles"));
+  EXPECT_THAT(why_no_net({}), HasSubstr("has no triangles: export the surface as triangles"));
 
   MeshData flat = square();
   flat.vertices[3] = Vec3(0.5, 0.5, 0);
-  EXPECT_THAT(why_no_net(flat), HasSubstr("triangle 2 at (0.0, 0.0, 0.0) has next to no area"));
+  EXPECT_THAT(why_no_net(flat), HasSubstr("triangle 2 at (0.0, 0.0, 0.0) has almost no area"));
 
   MeshData three = square();
   three.vertices.emplace_back(0.5, 0.5, 1);

@@ -1,4 +1,4 @@
-// Units that cannot be meant: a warning names the quantity, its unit and the bounds, whatever the body is made of.
+// Implausible units: a warning names the quantity, its unit and the bounds, for every kind of body.
 #include "platform/scene/plausible.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A homogeneous box of 1000 kg/m^3, or what is left of it with other units.
+/// Returns a homogeneous box of 1000 kg/m^3, with quantities scaled by wrong units.
 BodyConfig box_body(const Vec3& half, double mass_units = 1, double length_units = 1,
                     double inertia_units = 1) {
   BodyConfig body;
@@ -59,7 +59,7 @@ TEST(Plausible, GramsMillimetresAndTheirInertiasAreNot) {
   }
 }
 
-/// Spheres along a rod of steel stand for it; so does the inertia alone.
+/// A steel rod given by spheres along it, or by its inertia alone.
 TEST(Plausible, ARodOfSpheresAndOneWithoutAny) {
   BodyConfig rod;
   rod.name = "rod";
@@ -83,7 +83,7 @@ TEST(Plausible, SurfacesAndMeshes) {
   EXPECT_THAT(doubt_of_density(101, 0.005), HasSubstr("101 kg/m^2"));
   EXPECT_THAT(doubt_of_density(1e-3, 0.005), HasSubstr("0.2 kg/m^3"));
   EXPECT_THAT(doubt_of_density(99, 0.003), HasSubstr("3.3e+04 kg/m^3"));
-  EXPECT_EQ(doubt_of_density(1, 0), "");  // it touches nothing, and has no thickness
+  EXPECT_EQ(doubt_of_density(1, 0), "");  // it has no contacts and no thickness
   MeshData mesh{.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.2, 0}}, .triangles = {{0, 1, 2}}};
   EXPECT_EQ(doubt_of_size(mesh, "obstacle 'liver'"), "");
   for (Vec3& p : mesh.vertices) p *= 1000;

@@ -1,4 +1,4 @@
-// Scene files: what they say is what loads, and what is wrong is refused with its place.
+// Scene files: loaded values equal the text, and errors have their place.
 #include "platform/scene/toml.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 LoadResult parse(const std::string& text) { return parse_scene(text, "a.toml"); }
 
-/// The errors of `minimal` with one piece replaced.
+/// Returns the errors of `minimal` with one piece replaced.
 std::vector<std::string> errors_with(const std::string& from, const std::string& to) {
   const LoadResult result = parse(replaced(minimal, from, to));
   EXPECT_FALSE(result.scene.has_value());
@@ -161,7 +161,7 @@ TEST(SceneToml, FeedbackScalesTheSpringsOfTheCouplingAndKeepsExplicitGains) {
   ASSERT_THAT(result.errors, IsEmpty());
   const FeedbackConfig& feedback = *result.scene->bodies[0].feedback;
   EXPECT_EQ(feedback.stiffness, 500);
-  EXPECT_EQ(feedback.damping, 0);  // which the device would have to have as well: decision 027
+  EXPECT_EQ(feedback.damping, 0);  // because the device would need it too: decision 027
   EXPECT_EQ(feedback.rotational_stiffness, 0.25);
   EXPECT_EQ(feedback.rotational_damping, 0);
 }
@@ -203,7 +203,7 @@ TEST(SceneToml, BrokenRigsAreRefused) {
   EXPECT_THAT(errors("name = \"turret\"", "name = \"turret\"\nkind = \"slider\""),
               ElementsAre(HasSubstr("no meaning on a slider")));
   EXPECT_THAT(errors("[[device.encoder]]", "[[device.joint]]\nname = \"free\"\n[[device.encoder]]"),
-              ElementsAre(HasSubstr("nothing measures joint 'free'")));
+              ElementsAre(HasSubstr("joint 'free' is not measured")));
   EXPECT_THAT(
       parse(minimal + rig +
             "[[device.encoder]]\njoint = \"turret\"\nbus = \"can0\"\nnode_id = 1\ncounts_per_unit = 1\n")
@@ -230,7 +230,7 @@ TEST(SceneToml, NonHapticDeviceHasNoFeedback) {
   EXPECT_THAT(result.errors, ElementsAre(HasSubstr("non-haptic")));
 }
 
-/// Every key of the format, each with a value that is not its default.
+/// Sets every key of the format to a value that is not its default.
 TEST(SceneToml, EffectiveConfigurationLoadsBackAsItself) {
   SceneConfig scene = *parse(minimal + rig).scene;
   scene.about = "quotes \" and \\ and\nlines";

@@ -1,5 +1,5 @@
-// Shapes that meet others by the spheres of their body alone, spheres that begin within a solid, and the promises that
-// `check` makes of neither.
+// Shapes that touch others only by the spheres of their body, spheres that start within a solid, and the
+// warnings of `check` about both.
 #include "platform/scene/contact/spheres_alone.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using testing::SizeIs;
 const Vec3 half(0.05, 0.04, 0.005);
 constexpr double r = 0.002;  // m
 
-/// A tray of one box with a sphere at each corner, tangent to its faces.
+/// Returns a tray of one box with a sphere at each corner, tangent to its faces.
 BodyConfig tray() {
   BodyConfig body = body_of("tray", 1, 1e-3);
   body.shapes.resize(1);
@@ -30,7 +30,7 @@ BodyConfig tray() {
         r, (half - Vec3::Constant(r)).cwiseProduct(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1))));
   return body;
 }
-/// A body of one ball shape, with a sphere as large in it, or none.
+/// Returns a body of one ball shape. with_sphere: true for a sphere of the same size in it.
 BodyConfig ball(double radius, bool with_sphere) {
   BodyConfig body = body_of("ball", 1, 1e-3);
   body.shapes.resize(1);
@@ -59,9 +59,9 @@ TEST(SpheresAlone, ATrayOnAPostIsPromisedNothing) {
     EXPECT_EQ(alone[0].body, "tray");
     EXPECT_EQ(alone[0].other, "obstacle 'post'");
     EXPECT_FALSE(top_speed(scene));
-    EXPECT_THAT(top_speed_text(scene), HasSubstr("none is promised"));
+    EXPECT_THAT(top_speed_text(scene), HasSubstr("not bounded"));
     EXPECT_THAT(top_speed_text(scene), Not(HasSubstr("m/s")));
-    EXPECT_THAT(what_does_not_pass(scene), HasSubstr("spheres alone"));
+    EXPECT_THAT(what_does_not_pass(scene), HasSubstr("shapes that touch others only with spheres excepted"));
   }
 }
 
@@ -69,7 +69,7 @@ TEST(SpheresAlone, SpheresAtTheCornersMeetAPlane) {
   SceneConfig scene = scene_of(tray(), ShapeKind::plane);
   EXPECT_THAT(spheres_alone(scene), IsEmpty());
   EXPECT_STREQ(what_does_not_pass(scene), "nothing");
-  EXPECT_EQ(top_speed_text(scene), "no limit: what is touched are planes, which have no other side");
+  EXPECT_EQ(top_speed_text(scene), "no limit: only planes can be touched, and they have no other side");
   scene.bodies[0].spheres.pop_back();
   EXPECT_THAT(spheres_alone(scene), SizeIs(1)) << "one corner goes through";
   scene.bodies[0].spheres.clear();
@@ -82,7 +82,8 @@ TEST(SpheresAlone, OtherPairsKeepTheirPromise) {
   scene.bodies[1].spheres.push_back(sphere_of(0.005));
   ASSERT_TRUE(top_speed(scene));
   EXPECT_THAT(top_speed(scene)->what, HasSubstr("'tool'"));
-  EXPECT_THAT(top_speed_text(scene), HasSubstr("nothing but shapes that meet others by their spheres alone"));
+  EXPECT_THAT(top_speed_text(scene),
+              HasSubstr("nothing (shapes that touch others only with spheres excepted)"));
 }
 
 TEST(SpheresAlone, AShapeWithinASphereMeetsAll) {

@@ -1,5 +1,5 @@
-// Scenes and what they name may come from anybody: they read nothing but what lies beside them, and whatever they
-// hold is refused soon, in few words that a terminal can show.
+// Scenes and their files may be hostile: they read only files beside them, and errors are quick, short and
+// printable.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ using testing::Not;
 
 const std::string one_body =
     "[scene]\nname = \"s\"\n\n[[body]]\nname = \"b\"\nmass = 1\ninertia = [1, 1, 1]\n";
-constexpr double at_once_s = 5;  // with sanitizers, on a machine that is busy; 0.1 to 1 s without
+constexpr double at_once_s = 5;  // limit with sanitizers on a busy machine; 0.1 to 1 s without
 
 /// A folder with a scene in it, and a secret beside the folder.
 class SceneFolder : public testing::Test {
@@ -50,7 +50,7 @@ class SceneFolder : public testing::Test {
     fs::create_symlink(to, folder_ / "scene" / name);
   }
 
-  /// Of a scene with spheres from that file.
+  /// Reads a scene with spheres from that file.
   LoadResult read(const std::string& file) const {
     return parse_scene(
         one_body + "\n[[obstacle]]\nname = \"o\"\nkind = \"sphere\"\nradius = 1\nfile = \"" + file + "\"\n",
@@ -86,9 +86,11 @@ TEST_F(SceneFolder, ASceneReadsNothingElse) {
   EXPECT_THAT(error("link.csv"), HasSubstr("is a link that leads out of the scene's folder"));
   EXPECT_THAT(error("up/secret.csv"), HasSubstr("is a link that leads out of the scene's folder"));
   EXPECT_THAT(error("zero.csv"), HasSubstr("is a link that leads out of the scene's folder"));
-  EXPECT_THAT(error("fifo.csv"), HasSubstr("'file' cannot be read: it is not a file"));
-  EXPECT_THAT(error("meshes"), HasSubstr("'file' cannot be read: it is not a file"));
-  EXPECT_THAT(error("none.csv"), HasSubstr("'file' cannot be read: is none.csv the right path?"));
+  EXPECT_THAT(error("fifo.csv"), HasSubstr("'file' cannot be read, because it is not a file"));
+  EXPECT_THAT(error("meshes"), HasSubstr("'file' cannot be read, because it is not a file"));
+  EXPECT_THAT(
+      error("none.csv"),
+      HasSubstr("'file' cannot be read: check the path none.csv, which is relative to the scene file"));
   for (const char* const file : {"../secret.csv", "link.csv", "up/secret.csv"})
     EXPECT_THAT(error(file), Not(HasSubstr("root"))) << file;
 }
@@ -124,16 +126,16 @@ TEST_F(SceneFolder, TheEffectiveConfigurationNamesFilesAsTheSceneDoes) {
   EXPECT_EQ(again.scene.value().obstacles[0].centres.size(), 2u);
 }
 
-// ---- what a person names -------------------------------------------------------------------------
+// ---- files that a user names ---------------------------------------------------------------------
 
 TEST(NamedFile, IsARegularFileOrAPipeAndNotTooLarge) {
-  EXPECT_EQ(read_file("/dev/zero", 100).why_not, "cannot be read: it is neither a file nor a pipe");
-  EXPECT_EQ(read_file(testing::TempDir(), 100).why_not, "cannot be read: it is a directory");
-  EXPECT_EQ(read_file("/no/such", 100).why_not, "cannot be read: is the path right?");
+  EXPECT_EQ(read_file("/dev/zero", 100).why_not, "cannot be read, because it is neither a file nor a pipe");
+  EXPECT_EQ(read_file(testing::TempDir(), 100).why_not, "cannot be read, because it is a directory");
+  EXPECT_EQ(read_file("/no/such", 100).why_not, "cannot be read: check the path");
   EXPECT_THAT(load_scene("/dev/zero").errors, ElementsAre(HasSubstr("/dev/zero: cannot be read")));
   const std::string path = testing::TempDir() + "/godobject-large-" + std::to_string(getpid());
   std::ofstream(path) << std::string(1 << 20, 'x') << "y";
-  EXPECT_EQ(read_file(path, 1 << 20).why_not, "is larger than 1 MB, the most that is read");
+  EXPECT_EQ(read_file(path, 1 << 20).why_not, "is larger than 1 MB, the limit of this program");
   EXPECT_EQ(read_file(path, 2 << 20).text.value().size(), (1u << 20) + 1);
   fs::remove(path);
   int ends[2];
@@ -162,7 +164,7 @@ TEST(Printable, LeavesTextAndEscapesWhatHasNoPicture) {
   EXPECT_EQ(excerpt(std::string(3'000'000, 'k')), "'" + std::string(40, 'k') + "... (3000000 bytes)'");
 }
 
-// ---- as large as they like -----------------------------------------------------------------------
+// ---- sizes ---------------------------------------------------------------------------------------
 
 class TooLarge : public testing::Test {
  protected:
@@ -218,7 +220,7 @@ TEST_F(TooLarge, DeepNesting) {
 }
 
 TEST_F(TooLarge, AllThatIsAllowedOfWhatIsCombined) {
-  // 256 bodies like each other, in a chain that is written child first, each with spheres of every material.
+  // 256 equal bodies in a chain, children before parents, each with spheres of every material.
   std::string text = "[scene]\nname = \"s\"\n[[body]]\nname = \"b0\"\nmass = 1\ninertia = [1, 1, 1]\n";
   for (int i = 0; i < 1000; ++i)
     text += "[[body.sphere]]\nradius = 1\ncount = 10000\nspacing = [1, 0, 0]\nmaterial = \"m" +

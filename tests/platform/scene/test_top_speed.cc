@@ -1,4 +1,4 @@
-// The stated top speed: below it a wall holds, and well above it a sphere goes through.
+// The top speed printed by check: below it a wall holds, and far above it a sphere passes through.
 #include "platform/scene/top_speed.h"
 
 #include "core/contact/candidates.h"
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr double r = 0.005, wall = 0.01;  // m
 
-/// A sphere before a wall of 1 cm in the plane x = 0.
+/// Returns a sphere in front of a wall of 1 cm in the plane x = 0.
 SceneConfig sphere_and_wall(double stiffness) {
   SceneConfig scene;
   scene.name = "wall";
@@ -30,7 +30,7 @@ SceneConfig sphere_and_wall(double stiffness) {
   return scene;
 }
 
-/// Whether the tool is on the other side of the wall after `duration`, thrown at it from `phase` of a step before.
+/// True if the tool is beyond the wall after `duration`. phase: start, in steps before the wall.
 bool passes(SceneConfig scene, double speed, double phase, const char* integrator) {
   scene.integrator = integrator;
   scene.bodies[0].X_WB.p = Vec3(-0.03 - phase * speed * scene.step, 0, 0);
@@ -69,7 +69,7 @@ TEST(TopSpeed, SaysNothingOfNodesOfNets) {
   SceneConfig scene = sphere_and_wall(2e4);
   EXPECT_STREQ(what_does_not_pass(scene), "nothing");
   const double top = top_speed(scene)->top();
-  scene.nets.emplace_back().thickness = 1e-4;  // thinner than all that is in the bound
+  scene.nets.emplace_back().thickness = 1e-4;  // thinner than all others in the bound
   EXPECT_THAT(what_does_not_pass(scene), HasSubstr("nodes of nets"));
   EXPECT_EQ(top_speed(scene)->top(), top);
 }
@@ -123,7 +123,7 @@ TEST(TopSpeed, OfBoxesOnTwoBodiesIsThatOfTheirEdges) {
   const SpeedBound bound = top_speed(scene).value();
   EXPECT_NEAR(bound.top(), 0.3 * 0.004 / scene.step, 1e-9);
   EXPECT_EQ(bound.what, "boxes of bodies 'tool' and 'brick'");
-  // as deep as half a half thickness they have no way back
+  // at a depth of half their half thickness they are not pushed back
   scene.contacts[0].stiffness = 1e3;
   scene.bodies[1].mass = 0.3;
   const SpeedBound soft = top_speed(scene).value();
@@ -167,7 +167,8 @@ TEST(TopSpeed, FarAboveWhatItsSpringStopsTheSpherePasses) {
   EXPECT_TRUE(passes_at_any_phase(soft, 3 * top_speed(soft)->top()));
 }
 
-/// The way of a step through the world is swept (decision 042): the bound of the travel is on the safe side.
+/// The motion of a step through the world is swept (decision 042), so the bound of the travel is
+/// conservative.
 TEST(TopSpeed, AboveTheTravelOfAStepAStiffWallHoldsAllTheSame) {
   const SceneConfig stiff = sphere_and_wall(1e7);
   const SpeedBound bound = top_speed(stiff).value();

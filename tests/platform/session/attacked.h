@@ -1,5 +1,5 @@
-// Scenes that once did what they should not (attacks/ of the shared folder), run as `godobject run --fast --bus direct` does,
-// and what a run leaves to be judged.
+// Scenes that once failed (attacks/ of the shared folder), run as by `godobject run --fast --bus direct`, and
+// data of a run for checks.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// The scene of attacks/NAME.toml; none where the folder is absent.
+/// Reads a scene of the shared folder `attacks`; none if the folder is absent.
 inline std::optional<SceneConfig> attack(const std::string& name) {
   const std::filesystem::path file = test::shared_file("attacks/" + name + ".toml");
   if (file.empty()) return std::nullopt;
@@ -23,7 +23,7 @@ inline std::optional<SceneConfig> attack(const std::string& name) {
   return loaded.scene;
 }
 
-/// Runs for so long, and shows each record; returns the last one. A scene that is refused is a failure.
+/// Runs for `seconds` and passes each record to `look`; returns the last one. A refused scene is a failure.
 template <class Look>
 CycleRecord attacked(const SceneConfig& scene, Motion motion, double seconds, Look look) {
   Session::Made made = make_session(scene, std::move(motion), BusChoice::direct);
@@ -47,7 +47,7 @@ inline double kinetic_energy(const SceneConfig& scene, const CycleRecord& r) {
   return T;
 }
 
-/// How far the anchors of its joints are apart, m; of joints that do not slide.
+/// Returns the largest distance between the anchors of a joint, m; of joints that do not slide.
 inline double joint_drift(const SceneConfig& scene, const CycleRecord& r) {
   double most = 0;
   const auto anchor = [&](const std::string& body, const Pose& X_BJ) -> Vec3 {
@@ -60,7 +60,7 @@ inline double joint_drift(const SceneConfig& scene, const CycleRecord& r) {
   return most;
 }
 
-/// The fastest point of any body about a lever of so many m, m/s.
+/// Returns the speed of the fastest point of any body at this lever arm, m/s. lever: m.
 inline double fastest(const CycleRecord& r, double lever = 0.03) {
   double most = 0;
   for (const BodyView& body : r.bodies)
@@ -68,9 +68,9 @@ inline double fastest(const CycleRecord& r, double lever = 0.03) {
   return most;
 }
 
-/// What a scene that nothing drives made of its energy.
+/// Energy of a scene without a drive.
 struct Course {
-  double first = 0, gain = 0, moving = 0, drift = 0;  // J, J above the first, J of motion at most, m
+  double first = 0, gain = 0, moving = 0, drift = 0;  // J, J above the first, largest kinetic energy J, m
   bool told = false;                                  // energy_gained
   Fault fault = Fault::none;
   double gained() const { return gain / std::max(moving, 1e-9); }
@@ -91,7 +91,7 @@ inline Course course_of(const SceneConfig& scene, double seconds) {
   return c;
 }
 
-/// Damping by its ratio, as scene files have it.
+/// Sets stiffness and damping. ratio: damping ratio, as in scene files.
 inline void set_stiffness(BodyConfig& body, double k, double k_r, double ratio = 1.4) {
   const double I = principal_moments(body.inertia).z();
   body.coupling = CouplingConfig{.stiffness = k,
@@ -100,7 +100,7 @@ inline void set_stiffness(BodyConfig& body, double k, double k_r, double ratio =
                                  .rotational_damping = ratio * std::sqrt(I * k_r)};
 }
 
-/// ratio: c / sqrt(m k) of the lightest body, as scene files have it.
+/// Sets the contact law. ratio: c / sqrt(m k) of the lightest body, as in scene files.
 inline void set_contact(SceneConfig& scene, double k, double ratio, double mu) {
   double m = scene.bodies.at(0).mass;
   for (const BodyConfig& body : scene.bodies) m = std::min(m, body.mass);
@@ -111,7 +111,7 @@ inline void set_contact(SceneConfig& scene, double k, double ratio, double mu) {
   law.tangential_stiffness = law.tangential_damping = std::nullopt;
 }
 
-/// About the world's origin: bodies and what they hang on, not the obstacles.
+/// Rotates bodies and their fixed parents about the world's origin, not the obstacles.
 inline void turn(SceneConfig& scene, const Quat& q) {
   for (BodyConfig& body : scene.bodies) {
     body.X_WB = {.p = q * body.X_WB.p, .q = (q * body.X_WB.q).normalized()};

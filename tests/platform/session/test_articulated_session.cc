@@ -1,5 +1,5 @@
-// Articulated tools in a session: the composition they get, the wrenches of their joints, imposed joints,
-// long chains.
+// Articulated tools in a session: their composition, the wrenches of their joints, prescribed joints, long
+// chains.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ TEST(ArticulatedEngine, SmallestCompositionThatCoversTheSceneIsTaken) {
   EXPECT_EQ(composition(scene), "joints-touching-64 tr-bdf2");
 }
 
-/// The device's kind is nothing that joints depend on: a mouse may lead scissors, too.
+/// Joints work with every kind of device; a mouse may lead scissors, too.
 TEST(ArticulatedEngine, FollowsDevicesOfEveryKind) {
   const Vec3 way(0.01, 0, 0);
   const double stiffness = 100;
@@ -66,7 +66,7 @@ TEST(ArticulatedEngine, FollowsDevicesOfEveryKind) {
     steps(1000);  // engaged
     samples[0].target.X_WD.p += way;
     samples[0].F_WB.f =
-        stiffness * way;  // of an admittance device: against the spring to where it was engaged
+        stiffness * way;  // of an admittance device: against the spring to the pose of engagement
     steps(2000);
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
       EXPECT_NEAR((engine->view(i).X_WB.p - loaded.scene->bodies[i].X_WB.p - way).norm(), 0, 1e-6) << kind;
@@ -82,7 +82,7 @@ TEST(ArticulatedEngine, ParametersTheCoreDoesNotTakeAreRefused) {
   EXPECT_THAT(why_not, HasSubstr("body 'rod': the mass must be finite and above 0 kg"));
 }
 
-/// At rest below its hinge a pendulum is held by its weight.
+/// A pendulum at rest below its hinge loads the joint by its weight.
 TEST(ArticulatedSession, JointCarriesTheWeight) {
   SceneConfig scene = load_shipped("pendulum.toml");
   BodyConfig& rod = scene.bodies.front();
@@ -107,7 +107,7 @@ TEST(ArticulatedSession, ImposedJawsAreWhereTheDeviceHasThem) {
     for (int i = 0; i < 2000; ++i) {
       made.session->cycle(record);
       ASSERT_EQ(record.fault, Fault::none);
-      if (record.t < scene.device->limits.ramp + 0.02) continue;  // the ramp ends at a speed of its own
+      if (record.t < scene.device->limits.ramp + 0.02) continue;  // the ramp ends with a velocity of its own
       const std::vector<BodyConfig> bodies = placed(scene, record);
       const JointVector q = motion.joints(record.t).q;  // pitch, yaw, roll, insertion, left, right
       const double left = coordinates_at_start(bodies, scene.joints[2])[0];
@@ -121,7 +121,7 @@ TEST(ArticulatedSession, ImposedJawsAreWhereTheDeviceHasThem) {
   }
 }
 
-/// Turns of joints and of devices are counted: an imposed one goes as far as the device takes it.
+/// Turns of joints and devices are counted: a prescribed joint follows the device beyond half a turn.
 TEST(ArticulatedSession, ImposedTurnGoesOnBeyondHalfATurn) {
   SceneConfig scene = load_shipped("scissors-imposed.toml");
   scene.device->limits.ramp = 0;
@@ -144,8 +144,8 @@ TEST(ArticulatedSession, ImposedTurnGoesOnBeyondHalfATurn) {
   EXPECT_NEAR(turned, 9, 1e-6);
 }
 
-/// The tool of reference/grasper.toml hangs in its couplings: on every body the wrenches of its joints, its
-/// coupling and its weight cancel, and no joint pulls along its free axes.
+/// The tool of reference/grasper.toml hangs in its couplings. On every body the wrenches of joints, coupling
+/// and weight cancel, and no joint has a force along its free axes.
 TEST(ArticulatedSession, WrenchesOfALoadedGrasperAtRestBalance) {
   SceneConfig scene = load_shipped("reference/grasper.toml");
   scene.gravity = Vec3(1, 2, -9.81);
@@ -183,7 +183,7 @@ TEST(ArticulatedSession, WrenchesOfALoadedGrasperAtRestBalance) {
   }
 }
 
-/// With the hand at rest the sampled feedback leaves device and tool at rest: it feeds nothing back to itself.
+/// In a hand at rest, the sampled feedback keeps device and tool at rest.
 TEST(ArticulatedSession, GrasperComesToRestInAHandAtRest) {
   SceneConfig scene = load_shipped("grasper.toml");
   for (CoordinateMotion& m : scene.motion->joints) m = {.coordinate = m.coordinate, .offset = m.offset};
@@ -205,7 +205,7 @@ TEST(ArticulatedSession, GrasperComesToRestInAHandAtRest) {
   EXPECT_LT(fastest, 1e-5);
 }
 
-/// Without its encoders, drives and buses a grasper is moved by the same joints, to the same states.
+/// Without encoders, drives and buses the same joints move a grasper to the same states.
 TEST(ArticulatedSession, AnInstrumentWithoutBusesIsMovedByItsJoints) {
   for (const char* name : {"grasper.toml", "scissors-imposed.toml"}) {
     const SceneConfig with_rig = load_shipped(name);
@@ -242,7 +242,7 @@ TEST(ArticulatedSession, ImposedJointNeedsAMotionOfJoints) {
                                        HasSubstr("joint 'right_hinge' is imposed")));
 }
 
-/// The chain of chain.toml with n links.
+/// Returns the chain of chain.toml with n links.
 SceneConfig chain_of(std::size_t n) {
   SceneConfig scene = load_shipped("chain.toml");
   const Vec3 step = scene.bodies[1].X_WB.p - scene.bodies[0].X_WB.p;

@@ -1,4 +1,4 @@
-// The scenes of ../shared/attacks do what they should, and so do many like each of them, drawn at random.
+// The scenes of ../shared/attacks behave correctly, and so do many random variants of each.
 #include "tests/platform/session/attacked.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ constexpr unsigned num_variants = 30;
 constexpr unsigned num_variants = 2;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
-/// What a scene is called in messages.
+/// Returns the name of a scene for messages.
 std::string label(const SceneConfig& scene, const std::string& name, unsigned seed) {
   std::ostringstream text;
   text << name << ", seed " << seed << ": " << scene.integrator << ", step " << scene.step << ", masses";
@@ -30,7 +30,8 @@ std::string label(const SceneConfig& scene, const std::string& name, unsigned se
 
 constexpr const char* no_attacks = "no attacks/ in the shared folder";
 
-/// Energy falls or stays, joints hold, or it is told. gain: of the most kinetic energy.
+/// Expects energy not to increase, joints to hold, and no fault. most_gain: limit as a share of the largest
+/// kinetic energy.
 void keeps(const SceneConfig& scene, double seconds, double most_gain, double most_drift,
            const std::string& what, Course& worst) {
   const Course c = course_of(scene, seconds);
@@ -72,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(AttackScenes, Chatter,
                          testing::Values("chatter-box-1e3", "chatter-box-1e4", "chatter-velocity-tr-bdf2",
                                          "chatter-wedge"));
 
-/// It is at rest, and what holds it is reported.
+/// Expects the scene at rest, and the supporting contact reported.
 void rests(const SceneConfig& scene, double seconds, const std::string& what, double& worst) {
   double after = 0;
   const CycleRecord end = attacked(scene, Motion(scene), seconds, [&](const CycleRecord& r) {
@@ -111,7 +112,7 @@ TEST_P(Chatter, RestsAndSaysWhatItTouches) {
   std::printf("%s: %.1e m/s at most\n", GetParam(), worst);
 }
 
-/// Each body's target rests there.
+/// Returns a motion with each body's target at rest.
 Motion resting_at(const SceneConfig& scene, const std::vector<Pose>& targets) {
   std::ostringstream csv;
   csv.precision(17);
@@ -205,7 +206,7 @@ TEST(AttackScenes, LockedPairsPart) {
   const auto parts = [&](const SceneConfig& scene, const std::string& what) {
     const CycleRecord end = attacked(scene, Motion(scene), original->duration,
                                      [&](const CycleRecord& r) { fast = std::max(fast, fastest(r)); });
-    // what is in contact is as deep as the spheres at its corners are large, at most
+    // depth of contact is at most the radius of the spheres at the corners
     EXPECT_TRUE(any(end.fault) || box_overlap::overlap(box_of(scene, end, 0), box_of(scene, end, 1)) < 1e-4)
         << what;
   };

@@ -1,4 +1,4 @@
-// The shipped scenes with contacts: they run without fault and do what they are there to show.
+// The shipped scenes with contacts run without fault and show the documented behaviour.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 const std::string scenes = GODOBJECT_SOURCE_DIR "/sim/scenes/";
 
-/// A shipped scene without a bus, on a motion file or its own motion.
+/// A shipped scene without a bus, with a motion file or its own motion.
 class SceneRun {
  public:
   explicit SceneRun(const std::string& name, const std::string& motion = "",
@@ -37,7 +37,7 @@ class SceneRun {
     record_ = session_->at_start();
   }
 
-  /// Steps up to time t, each looked at.
+  /// Steps up to time t and calls `look` after each.
   template <class F>
   void until(double t, F look) {
     while (record_.t < t - scene_.step / 2) {
@@ -89,7 +89,7 @@ TEST(ContactScenes, PressIsItsReferenceCase) {
   EXPECT_LT(worst, 1e-5);
 }
 
-/// The upper brick goes up with the jaws and is put back on the lower one, twice.
+/// The upper brick rises with the jaws and returns to the lower one, twice.
 class GraspScene : public testing::TestWithParam<const char*> {};
 TEST_P(GraspScene, LiftsABrickAndPutsItBack) {
   SceneRun run("grasp.toml", "", GetParam());
@@ -138,10 +138,10 @@ TEST(ContactScenes, LegoDragsABrickThroughThePile) {
   EXPECT_GT(farthest, 1e-4) << "bricks in the way hold it back";
 }
 
-/// Fig. 7 of the paper: the tool slides round, the device goes in.
+/// Fig. 7 of the paper: the tool slides along the surface, the device enters.
 TEST(ContactScenes, OrganKeepsTheToolOutWhereTheDeviceGoesIn) {
   SceneRun run("organ.toml");
-  // How far inside the shell of the spheres' centres: 1 is on it, and less is in.
+  // Returns the position relative to the shell of the spheres' centres: 1 on it, below 1 inside.
   const auto inside = [](const Vec3& p) {
     return (p - Vec3(0, 0, 0.225)).cwiseQuotient(Vec3(0.045, 0.055, 0.035)).norm();
   };

@@ -15,7 +15,7 @@ using test::SimulatedRig;
 
 constexpr int num_joints = 6;
 constexpr std::size_t num_handles = 4;
-// The nodes hold what the plant had at the last of its 50 us steps before the SYNC ended.
+// The nodes report the plant's state at the last of its 50 us steps before the SYNC ended.
 constexpr Nanoseconds sampled_after_ns = 50'000;
 
 JointVector moving(double t) {
@@ -106,7 +106,7 @@ TEST(DeviceTreeEndToEnd, TheTorquesOfAllHandlesReachTheDrivenJointsAndNoOther) {
   ASSERT_EQ(sim.rig->state(), RigState::armed) << sim.rig->fault_text();
   EXPECT_EQ(sim.report.torque_limited | sim.report.rate_limited | sim.report.not_sent, 0u);
 
-  // J^T written out from the true posture, a wrench and a column at a time
+  // J^T written out from the true posture, one wrench and column at a time
   const TreeConfiguration exact = KinematicTree(sim.params.tree).at(posture);
   JointVector tau = sim.zero();
   for (std::size_t i = 0; i < num_handles; ++i) {
@@ -120,9 +120,9 @@ TEST(DeviceTreeEndToEnd, TheTorquesOfAllHandlesReachTheDrivenJointsAndNoOther) {
     const double wanted = tau(sim.joint_named(drive.joint));
     const double half_per_mille = 0.5e-3 * drive.torque_rated_Nm / drive.joint_per_motor_rad;
     EXPECT_NEAR(sim.applied_joint_torque(i), wanted, half_per_mille + 1e-4) << drive.joint;
-    EXPECT_GT(std::abs(wanted), 5 * half_per_mille) << drive.joint;  // the check above has teeth
+    EXPECT_GT(std::abs(wanted), 5 * half_per_mille) << drive.joint;  // the check above is not vacuous
   }
-  EXPECT_GT(std::abs(tau(sim.joint_named("roll"))), 0.01);  // asked for, and no drive to show it
+  EXPECT_GT(std::abs(tau(sim.joint_named("roll"))), 0.01);  // needed, and without a drive to display it
 }
 
 TEST(DeviceTreeEndToEnd, AForceOnOneJawDeflectsItsJawAndTheJointsBelowOnly) {

@@ -1,4 +1,4 @@
-// The soak in process: on simulated buses from end to end. tests/socketcan has it on the kernel's.
+// The fault soak in one process, on simulated buses from end to end. tests/socketcan runs it on the kernel's.
 #include "tests/support/fault_soak.h"
 
 namespace godobject::test_fault_soak {

@@ -1,4 +1,4 @@
-// Scenes whose device takes hold of bodies and lets go of them: by script, by button, through a bus.
+// Scenes with a device that grips and releases bodies: by script, by button, through a bus.
 #include "platform/simulated/session.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Three bricks in a row, 0.1 m apart; the third cannot be held. The hand swings along y.
+/// Returns three bricks in a row, 0.1 m apart; the third cannot be held. The hand swings along y.
 std::string bricks(const std::string& device, const std::string& motion = "",
                    const std::string& kind = "impedance") {
   std::string text = "[scene]\nname = \"bricks\"\n";
@@ -67,11 +67,10 @@ const std::string reach = "grab_radius = 0.06\n";
 
 TEST(HoldKeys, OnlyCoupledBodiesCanBeHeld) {
   EXPECT_THAT(errors_of(bricks("holds = \"red\"\n")), IsEmpty());
-  EXPECT_THAT(
-      errors_of(bricks("holds = \"post\"\n")),
-      ElementsAre(HasSubstr("'holds' is \"post\", which has no [body.coupling] to be held by: add it")));
+  EXPECT_THAT(errors_of(bricks("holds = \"post\"\n")),
+              ElementsAre(HasSubstr("'holds' is \"post\", which has no [body.coupling]: add it")));
   EXPECT_THAT(errors_of(bricks("holds = \"blue\"\n")),
-              ElementsAre(HasSubstr("is \"blue\", which is no body")));
+              ElementsAre(HasSubstr("is \"blue\", which is not a body")));
   EXPECT_THAT(errors_of(bricks("", "[[motion.hold]]\ntime = 1\nbody = \"post\"\n")),
               ElementsAre(HasSubstr("has no [body.coupling]")));
 }
@@ -82,11 +81,11 @@ TEST(HoldKeys, BadHoldsAreRefusedWithTheirPlace) {
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.rfind("time")), '\n');
   EXPECT_THAT(errors_of(text), ElementsAre(HasSubstr("a.toml:" + std::to_string(line) + ":")));
-  EXPECT_THAT(errors_of(text), ElementsAre(HasSubstr("must be later than that of the table before")));
+  EXPECT_THAT(errors_of(text), ElementsAre(HasSubstr("must be later than that of the previous table")));
   EXPECT_THAT(errors_of(bricks("", "[[motion.hold]]\ntime = 1\nbody = \"nearest\"\n")),
               ElementsAre(HasSubstr("'grab_radius'")));
   EXPECT_THAT(errors_of(bricks(reach, "", "admittance")),
-              ElementsAre(HasSubstr("gives no pose to hold a body at")));
+              ElementsAre(HasSubstr("has no pose at which it could hold a body")));
 }
 
 TEST(HoldKeys, AreWrittenAndReadBack) {
@@ -111,7 +110,7 @@ TEST(HoldColumn, HoldsFromItsSampleToTheNext) {
   EXPECT_EQ(motion.hold(1.999), (HoldWish{.kind = Kind::body, .body = 1}));
   EXPECT_EQ(motion.hold(2), (HoldWish{.kind = Kind::nearest}));
   EXPECT_EQ(motion.hold(9), HoldWish{});
-  EXPECT_EQ(motion.target(0, 0.25).X_WD.p.y(), 0.05);  // the pose stays with [motion]
+  EXPECT_EQ(motion.target(0, 0.25).X_WD.p.y(), 0.05);  // the pose is still that of [motion]
 }
 
 TEST(HoldColumn, StandsBesideThePoseOfTheDevice) {
@@ -131,14 +130,14 @@ TEST(HoldColumn, BadOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(
       errors_of(scene, "t,hold\n0,red\n1,blue\n2,post\n3,nearest\n"),
       ElementsAre(
-          HasSubstr("m.csv:3:3: 'hold' is \"blue\", which is no body of the scene; '-' holds nothing"),
+          HasSubstr("m.csv:3:3: 'hold' is \"blue\", which is not a body of the scene; '-' holds nothing"),
           HasSubstr("m.csv:4:3: 'hold' is \"post\", which has no [body.coupling]"),
-          HasSubstr("m.csv:5:3: 'hold' is \"nearest\": how far is that?")));
+          HasSubstr("m.csv:5:3: 'hold' is \"nearest\", which requires [device] 'grab_radius'")));
   EXPECT_THAT(errors_of(scene, "t,button\n0,0\n"), ElementsAre(HasSubstr("'grab_radius'")));
   EXPECT_THAT(errors_of(scene_of(bricks(reach)), "t,button\n0,2\n"),
               ElementsAre(HasSubstr("m.csv:2:3: 'button'")));
   EXPECT_THAT(errors_of(scene_of(bricks("")), "t,hold\n0,red\n"),
-              ElementsAre(HasSubstr("takes hold of bodies")));
+              ElementsAre(HasSubstr("requires a device that grips bodies")));
 }
 
 void expect_within_rate(const Wrench& before, const Wrench& after, const LimitConfig& limits, double h) {
@@ -157,7 +156,7 @@ class ScriptedHolds : public testing::TestWithParam<const char*> {
   }
 };
 
-/// Red from the start, in one step over to green, nothing, red again: one body at a time, the other moves
+/// Grips red from the start, then in one step green, none, and red again: one body at a time, the other moves
 /// freely.
 TEST_P(ScriptedHolds, OneBodyIsDrivenAtATime) {
   const SceneConfig s = scene("holds = \"red\"\n",
@@ -199,7 +198,7 @@ TEST_P(ScriptedHolds, OneBodyIsDrivenAtATime) {
   EXPECT_EQ(now.bodies[2].X_WB.p, Vec3(0.3, 0, 0));
 }
 
-/// What is felt is a wrench about the hand, though the brick is 0.1 m off.
+/// The displayed wrench is about the hand, though the brick is 0.1 m off.
 TEST_P(ScriptedHolds, TheHandFeelsTheHeldBodyAboutItsOwnOrigin) {
   const SceneConfig s = scene("holds = \"green\"\n");
   const std::unique_ptr<Session> session = session_of(s, Motion(s));
@@ -208,14 +207,14 @@ TEST_P(ScriptedHolds, TheHandFeelsTheHeldBodyAboutItsOwnOrigin) {
   const Wrench& F = record.bodies[1].feedback_D;
   const Vec3 arm = record.bodies[1].target.X_WD.p - Motion(s).target(0, record.t).X_WD.p;
   EXPECT_GT(arm.norm(), 0.09);
-  EXPECT_GT(F.f.norm(), 0.01);  // the scale of the feedback takes the stiffness over, no damping
+  EXPECT_GT(F.f.norm(), 0.01);  // the feedback's scale keeps the stiffness, without damping
   EXPECT_LE((record.hand_W.f - F.f).norm(), 1e-12);
   EXPECT_LE((record.hand_W.tau - F.tau - arm.cross(F.f)).norm(), 1e-12);
 }
 
 TEST_P(ScriptedHolds, TheButtonTakesTheNearestWithinReach) {
   const SceneConfig s = scene(reach);
-  // at 0.1 s the hand is 35 mm from red; at 1.25 s it is 54 mm away from where red was left, or further
+  // at 0.1 s the hand is 35 mm from red; at 1.25 s it is at least 54 mm from where red was released
   const Motion motion = motion_of(s, "t,button\n0,0\n0.1,1\n0.6,0\n0.7,1\n0.8,0\n");
   const std::unique_ptr<Session> session = session_of(s, motion);
   CycleRecord record = session->at_start();
@@ -265,8 +264,8 @@ INSTANTIATE_TEST_SUITE_P(Integrators, ScriptedHolds, testing::Values("implicit-e
                                                                                    : "ImplicitEuler");
                          });
 
-/// A device of increments: takes the brick where it is, rests it while the clutch is open, lets it go, takes
-/// it again.
+/// A device of increments: grips the brick in place, keeps it at rest while the clutch is open, releases it,
+/// grips it again.
 TEST(RelativeHolds, GrabReleaseAndClutch) {
   const SceneConfig s = scene_of(bricks("", "", "relative"));
   SceneConfig holding = s;
@@ -298,8 +297,8 @@ TEST(RelativeHolds, GrabReleaseAndClutch) {
   EXPECT_LE((now.bodies[0].target.X_WD.p - Vec3(0.1, 0, 0) - moved).norm(), 1e-3);
 }
 
-/// The demo's arm, encoders, drives and buses: what is held swings with the handle, what is let go is not
-/// felt.
+/// The demo's arm, encoders, drives and buses: the held body swings with the handle, a released one displays
+/// no force.
 TEST(HoldsThroughABus, AreThoseOfTheHandle) {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
   ASSERT_TRUE(loaded.scene);
@@ -329,7 +328,8 @@ TEST(HoldsThroughABus, AreThoseOfTheHandle) {
   EXPECT_LE(now.following.m, 5e-3);
 }
 
-/// Of coupling "imposed" on a smooth motion of six coordinates, under a constant 100 N.
+/// Returns the largest error of coupling "imposed" on a smooth motion of six coordinates, under a constant
+/// 100 N.
 PoseError worst_when_imposed(const std::string& integrator, double step, bool by_holding) {
   SceneConfig s = scene_of(
       "[scene]\nname = \"imposed\"\ncoupling = \"imposed\"\ngravity = [600.0, 0.0, -800.0]\nstep = " +
@@ -372,7 +372,7 @@ TEST(ImposedCoupling, NeedsABodyAndAPose) {
   EXPECT_THAT(
       errors_of(head + "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n[device]\nname = \"d\"\n"
                        "kind = \"admittance\"\n"),
-      ElementsAre(HasSubstr("gives no pose to place bodies at")));
+      ElementsAre(HasSubstr("has no pose for the bodies")));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A loop that misses deadlines holds all bodies, and then none of them.
+// A loop that misses deadlines holds all bodies, and afterwards none.
 #include <gtest/gtest.h>
 
 #include "platform/scene/toml.h"

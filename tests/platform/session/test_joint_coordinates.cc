@@ -1,4 +1,4 @@
-// Coordinates of joints from the poses of bodies: every kind, turned about many times.
+// Coordinates of joints from the poses of bodies: every kind, rotated by many turns.
 #include "platform/session/joint_coordinates.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Pose inverse(const Pose& X) {
 }
 Pose times(const Pose& a, const Pose& b) { return {.p = a.p + a.q * b.p, .q = (a.q * b.q).normalized()}; }
 
-/// Child frame in the parent's frame at these coordinates.
+/// Returns the child frame in the parent's frame at these coordinates.
 Pose moved(JointKind kind, const std::vector<double>& q) {
   const auto turn = [](double angle, const Vec3& axis) {
     return Pose{.p = Vec3::Zero(), .q = Quat(Eigen::AngleAxis<Real>(angle, axis))};

@@ -1,4 +1,4 @@
-// The shipped scenes with nets: they run without fault and do what they are there to show.
+// The shipped scenes with nets run without fault and show the documented behaviour.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 const std::string scenes = GODOBJECT_SOURCE_DIR "/sim/scenes/";
 
-/// A shipped scene without a bus, on a motion file or its own motion.
+/// A shipped scene without a bus, with a motion file or its own motion.
 class SceneRun {
  public:
   explicit SceneRun(const std::string& name, const std::string& integrator, const std::string& motion = "") {
@@ -53,13 +53,13 @@ class SceneRun {
   }
   const CycleRecord& record() const { return record_; }
   const SceneNets& nets() const { return session_->engine().nets(); }
-  /// Of a node from where it began, m.
+  /// Returns the distance of each node from its start, m.
   std::vector<double> moved() const {
     std::vector<double> d;
     for (std::size_t i = 0; i < began_.size(); ++i) d.push_back((record_.net_nodes[i] - began_[i]).norm());
     return d;
   }
-  /// Farthest that a node is from its anchor, m.
+  /// Returns the largest distance of a node from its anchor, m.
   double farthest_from_anchor() const {
     double most = 0;
     for (std::size_t i = 0; i < began_.size(); ++i) {

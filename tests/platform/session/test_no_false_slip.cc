@@ -1,5 +1,5 @@
-// What is compared by default raises no fault where nothing is wrong: in no shipped scene, and in no motion that is fast,
-// with answers that are lost, late or left out for a while.
+// The default comparison of sensors raises no false fault: in no shipped scene, and in no fast motion with
+// lost, late or missing answers.
 #include <gtest/gtest.h>
 
 #include "hal/joint/slip.h"

@@ -1,4 +1,4 @@
-// The margins of scenes: gains brought to the joints, the delay of the buses, the defaults, and the shipped scenes.
+// The margins of scenes: gains at the joints, the delay of the buses, the defaults, and the shipped scenes.
 #include "platform/session/passivity.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ TEST(Passivity, ALightDeviceWithDampingInSoftwareIsNamedWithWhatToLower) {
   const std::vector<std::string> warnings = passivity_warnings(result);
   ASSERT_THAT(warnings, SizeIs(3));
   EXPECT_THAT(warnings, Each(HasSubstr("needs 2.69 N s/m of its own damping and has 0.01")));
-  EXPECT_THAT(warnings, Each(HasSubstr("lower its stiffness to 5.3 % of what it is")));
+  EXPECT_THAT(warnings, Each(HasSubstr("lower its stiffness to 5.3 % of its present value")));
   EXPECT_THAT(warnings, Each(HasSubstr("feedback damping alone: from 0.828 N s/m on")));
 }
 
@@ -104,7 +104,7 @@ TEST(Passivity, ADriveThatIsTheSensorAndAnswersEveryThirdSyncIsLater) {
 }
 
 TEST(Passivity, TheWorstDirectionOfJointsThatMoveTogether) {
-  // two slides along the same line: one carries the other's spring as well
+  // two slides along the same line: each displays the other's spring as well
   SceneConfig scene = parsed(test::desk_scene("stiffness = 400\n"));
   std::vector<DeviceJoint>& joints = scene.device->rig->tree.joints;
   joints[1].axis_J = joints[0].axis_J;
@@ -120,7 +120,7 @@ TEST(Passivity, ScenesWithoutFeedbackOrDrivesHaveNone) {
   EXPECT_THAT(passivity_table(Passivity{}), IsEmpty());
 }
 
-/// What is not passive by itself is stable all the same, is held, and its file says so in figures.
+/// Shipped scenes that are not passive alone are stable when held, and their file states the margin.
 TEST(Passivity, ShippedScenesAreStableAndSayWhatTheirMarginIs) {
   for (const std::string name : {"rigid", "grasper", "grasp", "organ", "scissors-imposed"}) {
     const SceneConfig scene = shipped(name);

@@ -1,5 +1,5 @@
-// The conditions of docs/theory/passivity.md against a sampled spring and damper played through time: no energy
-// comes out within the margin, some does outside, and an axis grows where growth_per_period() says so.
+// The conditions of docs/theory/passivity.md against a sampled spring and damper simulated in time. Within
+// the margin no energy is released, outside some is, and an axis grows as growth_per_period() predicts.
 #include "platform/session/passivity.h"
 
 #include <gtest/gtest.h>
@@ -12,16 +12,17 @@
 namespace godobject::test_passivity_theory {
 namespace {
 
-constexpr int substeps = 20;  // of a period
+constexpr int substeps = 20;  // per period
 constexpr double pi = std::numbers::pi;
 
-/// u = -K q_k - B (q_k - q_(k-1)) / T, in effect `delay` periods after sample k. With a wall: only for q > 0.
+/// Simulates u = -K q_k - B (q_k - q_(k-1)) / T, in effect `delay` periods after sample k. wall: true for a
+/// spring at q > 0 only.
 class SampledSpring {
  public:
   SampledSpring(const SampledAxis& axis, bool wall) : axis_(axis), wall_(wall) {
     on_their_way_.assign(static_cast<std::size_t>(axis.delay), 0.0);
   }
-  /// A new sample; the torque of the period that begins.
+  /// Adds a sample; returns the torque of the period that begins.
   double sample(double q) {
     const double rate = (q - last_) / axis_.period_s;
     last_ = q;
@@ -39,8 +40,8 @@ class SampledSpring {
   std::deque<double> on_their_way_;
 };
 
-/// Energy that a hand which leads q(t), piecewise linear, has put into damping and sampled spring: its least value at
-/// any time and its value at the end, in shares of all that went to and fro.
+/// Energy that a hand with the piecewise linear motion q(t) puts into damping and sampled spring. Its
+/// smallest value and its value at the end, as shares of all energy exchanged.
 struct Work {
   double least = 0, end = 0;
 };
@@ -63,7 +64,7 @@ Work work_of(const SampledAxis& axis, bool wall, int periods, Rate rate) {
   return {.least = least / to_and_fro, .end = work / to_and_fro};
 }
 
-/// Of a hand that leads q = sin(theta t / T).
+/// Returns the work of a hand with q = sin(theta t / T).
 double work_of_sine(const SampledAxis& axis, double theta) {
   const int periods = static_cast<int>(std::ceil(60 * pi / theta));
   const auto q = [&](double t) { return std::sin(theta * t); };
@@ -75,7 +76,8 @@ double work_of_sine(const SampledAxis& axis, double theta) {
       .end;
 }
 
-/// b that the hand's sine of theta a period takes nothing out of: below it the axis gives energy.
+/// Returns the smallest b at which the hand's sine of theta a period gains no energy; below it the axis
+/// releases energy.
 double needed_at(const SampledAxis& axis, double theta) {
   const double spring =
       axis.K * axis.period_s / 2 * std::sin((axis.delay + 0.5) * theta) / std::sin(theta / 2);
@@ -105,7 +107,7 @@ class RandomAxes {
                      .B = 0,
                      .period_s = log_uniform(2e-4, 5e-3),
                      .delay = whole(0, 3)};
-    // spring and damper of like weight, or one of them alone
+    // spring and damper of similar weight, or one of them alone
     const int kind = whole(0, 3);
     axis.B = kind == 0 ? 0 : axis.K * axis.period_s * log_uniform(0.03, 30);
     if (kind == 1) axis.K = 0;
@@ -136,7 +138,7 @@ TEST(PassivityTheory, WithinTheMarginNoMotionTakesEnergyOut) {
     least = std::min(least, work.least);
     EXPECT_GE(work.least, -1e-12) << "K " << axis.K << " B " << axis.B << " delay " << axis.delay << " wall "
                                   << wall;
-    // and the motion that takes most
+    // and the motion that gains most
     EXPECT_GE(work_of_sine(axis, worst_theta(axis)), -1e-3);
   }
   RecordProperty("least", std::to_string(least));
@@ -144,7 +146,7 @@ TEST(PassivityTheory, WithinTheMarginNoMotionTakesEnergyOut) {
 
 TEST(PassivityTheory, OutsideTheMarginASlowOrAFastMotionTakesEnergyOut) {
   RandomAxes random(2);
-  double closest = 0;  // of what is needed, where energy still came out
+  double closest = 0;  // of the needed damping, with energy still released
   for (int i = 0; i < 200; ++i) {
     SampledAxis axis = random.axis();
     const double theta = worst_theta(axis);
@@ -153,10 +155,10 @@ TEST(PassivityTheory, OutsideTheMarginASlowOrAFastMotionTakesEnergyOut) {
     EXPECT_LT(axis.damping, axis.needed());
     EXPECT_LT(work_of_sine(axis, theta), 0) << "K " << axis.K << " B " << axis.B << " delay " << axis.delay;
   }
-  EXPECT_GT(closest, 0.94);  // the margin is not a wide guess
+  EXPECT_GT(closest, 0.94);  // the margin is tight
 }
 
-/// Largest |q| in the last tenth over the largest in the first.
+/// Returns the largest |q| in the last tenth over the largest in the first.
 double played_growth(const SampledAxis& axis, double k_h, double d_h) {
   SampledSpring spring(axis, false);
   const int fine = 2000, periods = 600;
@@ -185,7 +187,7 @@ TEST(PassivityTheory, AnAxisGrowsWhereTheMapSaysSo) {
     axis.damping = random.log_uniform(1e-3, 1) * axis.needed();
     const double k_h = random.whole(0, 1) * axis.K * 0.5, d_h = random.whole(0, 1) * axis.needed() * 0.3;
     const double growth = growth_per_period(axis, k_h, d_h);
-    if (std::abs(growth - 1) < 0.01) continue;  // takes longer to show
+    if (std::abs(growth - 1) < 0.01) continue;  // would need a longer simulation
     const double played = played_growth(axis, k_h, d_h);
     if (growth < 1) EXPECT_LT(played, 1) << growth << " played " << played;
     else EXPECT_GT(played, 10) << growth << " played " << played;

@@ -1,4 +1,4 @@
-// Gaps in the samples of encoders, from the frame on the wire to the force that is shown.
+// Gaps in the samples of encoders, from the frame on the wire to the displayed force.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -10,15 +10,16 @@ namespace godobject::test_sample_gaps_on_buses {
 namespace {
 
 struct Felt {
-  double force = 0, torque = 0;  // largest shown at a body, N and N m, after the first second
-  double later_torque = 0;       // the same in cycles with no gap in the last settled_s, N m
+  double force = 0, torque = 0;  // largest displayed at a body, N and N m, after the first second
+  double later_torque = 0;       // the same in cycles with no gap in the last transient_s, N m
   double change = 0;             // of a force in a step, N
   RigFault faults = RigFault::none;
   int held = 0;  // cycles
 };
 
-/// By then a transient that a gap caused is over: the force has faded in again and the tool is where it is pulled to.
-constexpr double settled_s = 0.3;
+/// Time after which the transient of a gap is over, s: the force has faded in again and the tool is at its
+/// target.
+constexpr double transient_s = 0.3;
 
 SceneConfig scene_of(const char* name) {
   LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + name);
@@ -40,7 +41,7 @@ Felt feel(const SceneConfig& scene) {
       ++felt.held;
       t_held = now.t;
     }
-    double& torque = now.t < t_held + settled_s ? felt.torque : felt.later_torque;
+    double& torque = now.t < t_held + transient_s ? felt.torque : felt.later_torque;
     for (std::size_t i = 0; i < now.bodies.size() && t > 1; ++i) {
       const Wrench &F = now.bodies[i].feedback_D, &last = before.bodies[i].feedback_D;
       felt.force = std::max(felt.force, F.f.norm());
@@ -52,7 +53,7 @@ Felt feel(const SceneConfig& scene) {
   return felt;
 }
 
-/// An encoder's answers vanish or come late, now and then for up to `longest_s`.
+/// Returns faults that drop or delay an encoder's answers, now and then for up to `longest_s`.
 std::vector<FaultConfig> stalls(const SceneConfig& scene, unsigned seed, const char* verb, double longest_s) {
   std::mt19937 random(seed);
   const auto uniform = [&](double a, double b) {
@@ -73,11 +74,12 @@ std::vector<FaultConfig> stalls(const SceneConfig& scene, unsigned seed, const c
   return faults;
 }
 
-/// What the counts of the encoders make of the velocity behind a damper is not the same in any two runs.
+/// Difference between runs by the quantised velocity behind a damper, N.
 constexpr double noise_N = 2e-3;
 
-/// Long after a gap the torque of a frictional contact differs still: spheres that stuck while the pose was held stick
-/// elsewhere. In organ.toml it is 4.6 % at the largest, 0.6 s after the last gap and in the next squeeze.
+/// Factor by which torques of frictional contacts differ long after a gap, because spheres that stuck during
+/// the hold stick elsewhere. In organ.toml 4.6 % at the largest, 0.6 s after the last gap and in the next
+/// squeeze.
 constexpr double friction_remembers = 1.1;
 
 class SampleGapsOnBuses : public testing::TestWithParam<const char*> {};
@@ -112,7 +114,7 @@ TEST_P(SampleGapsOnBuses, ShowNothingThatWasNotThere) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SampleGapsOnBuses, testing::Values("rigid.toml", "organ.toml"));
 
-/// Stalls end haptics only after lost_after.
+/// Stalls are a fault only after lost_after.
 TEST(SampleGapsLength, LostAfterIsAFault) {
   // At a max_speed of 20 rad/s half a turn takes longer than lost_after.
   for (const auto& [duration, expected] : {std::pair{0.05, RigFault::none}, std::pair{0.09, RigFault::none},

@@ -1,4 +1,4 @@
-// A running scene while the user lets go, takes hold again and works the clutch.
+// A running scene while the user releases, grips again and uses the clutch.
 #include "platform/simulated/session.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace godobject::test_session {
 namespace {
 
-/// Cycles from which a switch has its other value; it begins on.
+/// Cycles in which a switch changes; it begins on.
 struct Flips {
   std::vector<std::uint64_t> cycles;
 
@@ -26,7 +26,7 @@ struct Flips {
     return std::ranges::count_if(cycles, [&](std::uint64_t c) { return c <= cycle; }) % 2 == 0;
   }
   bool flips(std::uint64_t cycle) const { return std::ranges::find(cycles, cycle) != cycles.end(); }
-  /// A table of this switch alone, each flip half a step before its cycle.
+  /// Returns a table of this switch alone, each change half a step before its cycle.
   std::string csv(const std::string& column, double h) const {
     std::string text = "t," + column + "\n0,1\n";
     for (const std::uint64_t c : cycles)
@@ -35,7 +35,7 @@ struct Flips {
   }
 };
 
-/// Scene file, bus, integrator.
+/// Parameters: scene file, bus, integrator.
 using Case = std::tuple<std::string, BusChoice, std::string>;
 
 std::string name_of(const testing::TestParamInfo<Case>& info) {
@@ -56,7 +56,7 @@ class SessionSwitches : public testing::TestWithParam<Case> {
     scene_.integrator = std::get<2>(GetParam());
   }
 
-  /// Booted, with the scene's own motion and the switches of the table.
+  /// Returns a booted session with the scene's own motion and the switches of the table.
   std::unique_ptr<Session> session(const std::string& csv) const {
     const MotionResult motion = Motion::parse(csv, "switches.csv", scene_);
     if (!motion.motion) throw std::runtime_error(motion.errors.front());
@@ -76,8 +76,8 @@ using SessionFollow = SessionSwitches;
 using SessionClutch = SessionSwitches;
 using SessionShutDown = SessionSwitches;
 
-/// Steps by the velocity before it: exactly in position; in attitude but for the gyroscopic torque, which
-/// turns the angular velocity of a body of revolution by less than w^2 a second.
+/// Expects a step by the previous velocity. The position is exact; the attitude differs by the gyroscopic
+/// torque. That changes the angular velocity of a body of revolution by less than w^2 per second.
 void expect_moved_freely(const BodyView& before, const BodyView& after, double h) {
   const double w_sq = before.V_WB.w.squaredNorm();
   const Quat q = exp_so3(h * before.V_WB.w) * before.X_WB.q;
@@ -92,7 +92,7 @@ void expect_within_rate(const Wrench& before, const Wrench& after, const LimitCo
   EXPECT_LE((after.tau - before.tau).norm(), h * limits.torque_rate * (1 + 1e-12));
 }
 
-/// Lets go and takes hold in mid-motion: with the ramp complete and on its way, for long and for one cycle.
+/// Releases and grips in mid-motion: with the ramp complete and in progress, for long and for one cycle.
 TEST_P(SessionEngage, NeverMovesTheBodyNorJumpsTheForce) {
   const Flips engaged{{600, 630, 700, 715, 1100, 1300, 1301, 1302}};
   const std::unique_ptr<Session> s = session(engaged.csv("tool.engaged", h()));
@@ -117,7 +117,7 @@ TEST_P(SessionEngage, NeverMovesTheBodyNorJumpsTheForce) {
   EXPECT_EQ(strongest > 0.1, scene_.bodies[0].feedback.has_value());
 }
 
-/// What the switch is for: the body stops following when let go, and follows again.
+/// The body stops following when released, and follows again when gripped.
 TEST_P(SessionFollow, LetsGoAndFollowsAgain) {
   const Flips engaged{{1000, 1300}};
   const std::unique_ptr<Session> s = session(engaged.csv("tool.engaged", h()));
@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(Pushed, SessionEngage,
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Followers, SessionFollow, on_both_buses(followers), name_of);
 
-/// With the clutch open the device moves and the target rests; closing it again makes up for nothing.
+/// With the clutch open the device moves and the target rests; closing it again causes no jump.
 TEST_P(SessionClutch, OpenTheTargetRests) {
   const Flips clutch{{700, 900}};
   const std::unique_ptr<Session> s = session(clutch.csv("tool.clutch", h()));
@@ -192,7 +192,7 @@ TEST_P(SessionClutch, OpenTheTargetRests) {
   EXPECT_NEAR(offset, missed, 0.1 * missed);
 }
 
-/// Whatever torque the motors had; the state stays what it was.
+/// For any torque of the motors; the state does not change.
 TEST_P(SessionShutDown, TurnsTheMotorsOff) {
   const std::unique_ptr<Session> s = session("t,tool.engaged\n0,1\n");
   CycleRecord record;
@@ -212,7 +212,7 @@ TEST_P(SessionShutDown, TurnsTheMotorsOff) {
   EXPECT_EQ(s->rig()->faults(), RigFault::none);
   EXPECT_EQ(s->engine().state_hash(), hash);
   EXPECT_EQ(s->motion_start_ns(), motion_start);
-  s->shut_down();  // once more: nothing left to do
+  s->shut_down();  // a second call has no effect
   EXPECT_EQ(s->rig()->state(), RigState::off);
 }
 

@@ -1,4 +1,4 @@
-// A session whose device has several handles: each drives its own body and shows that body's feedback.
+// A session with a device of several handles: each drives its own body and displays that body's feedback.
 #include "platform/simulated/session.h"
 
 #include <gmock/gmock.h>
@@ -26,7 +26,8 @@ std::string on_joint(const char* table, const std::string& joint, const char* bu
          "\"\nnode_id = " + std::to_string(node_id) + "\ncounts_per_unit = 1000000\n";
 }
 
-/// A shaft that slides, and a blade that turns on it and is the first handle; a body that no handle holds.
+/// Returns a shaft that slides, a blade that turns on it and is the first handle, and a body without a
+/// handle.
 SceneConfig shaft_and_blade() {
   std::string text = "[scene]\nname = \"test\"\n" + body("shaft") + body("free") + body("blade") +
                      "[[bus]]\nname = \"can0\"\n[[bus]]\nname = \"can1\"\n[device]\nname = \"d\"\n"
@@ -47,7 +48,7 @@ SceneConfig shaft_and_blade() {
   return *result.scene;
 }
 
-/// Both joints at once: 5 cm and 0.5 rad, up and down.
+/// Returns a motion of both joints: 5 cm and 0.5 rad, up and down.
 Motion both_joints(const SceneConfig& scene) {
   std::string csv = "t,slide,turn\n";
   for (int i = 0; i <= 100; ++i) {
@@ -72,7 +73,7 @@ TEST(SessionHandles, EveryHandleDrivesItsBodyAndTheOthersRest) {
     made.session->cycle(record);
     ASSERT_EQ(record.rig_faults, RigFault::none);
     const TreeConfiguration device = tree.at(motion.joints(record.t).q);
-    // the hand of 1e5 N/m gives way to what is shown to it
+    // the hand of 1e5 N/m yields to the displayed force
     EXPECT_LT((record.bodies[0].target.X_WD.p - device.X_WH(1).p).norm(), 3e-4) << k;
     EXPECT_LT((record.bodies[2].target.X_WD.p - device.X_WH(0).p).norm(), 3e-4) << k;
     EXPECT_EQ(record.bodies[1].target.X_WD.p, Vec3::Zero()) << k;
@@ -101,7 +102,7 @@ TEST(SessionHandles, TheFeedbackOfEveryBodyReachesTheMotors) {
     largest_of_shaft = std::max(largest_of_shaft, std::abs(shaft.f.z()));
     largest_of_blade = std::max(largest_of_blade, std::abs(blade.f.z()));
   }
-  EXPECT_GT(largest_of_shaft, 0.1);  // the checks above have teeth
+  EXPECT_GT(largest_of_shaft, 0.1);  // the checks above are not vacuous
   EXPECT_GT(largest_of_blade, 0.1);
 }
 
@@ -117,7 +118,7 @@ TEST(SessionHandles, AHandleOfABodyThatIsNotThereIsRefused) {
   SceneConfig scene = shaft_and_blade();
   scene.device->rig->tree.handles[1].body = "jaw";
   EXPECT_THAT(make_session(scene, both_joints(scene), BusChoice::sim).errors,
-              ElementsAre(HasSubstr("handle of body 'jaw': the scene has no such coupled body")));
+              ElementsAre(HasSubstr("handle of body 'jaw': the scene has no coupled body of this name")));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A run's phases, period by period, on simulated buses: what follows what, and what a restart keeps.
+// The phases of a run, period by period, on simulated buses: their order, and the state after a restart.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -17,7 +17,7 @@ class SessionPhases : public testing::Test {
     session_ = std::move(made.session);
     record_ = session_->at_start();
   }
-  /// Periods until the phase is another one; steps among them.
+  /// Runs periods until the phase changes; returns the number of steps.
   int run_phase(int limit = 20'000) {
     const RunPhase phase = session_->phase();
     int steps = 0;
@@ -62,7 +62,7 @@ TEST_F(SessionPhases, BootIsGivenUpAfterItsLimit) {
   EXPECT_EQ(session_->phase(), RunPhase::running_down);
 }
 
-/// The engine stays as it is; the coupling rises by the ramp anew.
+/// The engine keeps its state; the coupling engages with the ramp again.
 TEST_F(SessionPhases, RestartEngagesByTheRamp) {
   ASSERT_TRUE(session_->boot(5));
   run_phase(900);

@@ -1,5 +1,6 @@
-// The scenes of ../shared/cases have their right values, with both integrators. Each stands for a kind of fault; cases of
-// contact memory (turntable, spatula, creep-grip, overhang, valley, order) belong to the contact pipeline to come.
+// The scenes of ../shared/cases have the right values, with both integrators. Each represents a kind of
+// fault. Cases of contact memory (turntable, spatula, creep-grip, overhang, valley, order) belong to a future
+// contact pipeline.
 #include "tests/platform/session/attacked.h"
 
 #include <cmath>
@@ -13,7 +14,7 @@ constexpr Real g = 9.81;
 
 class SharedCases : public testing::TestWithParam<const char*> {
  protected:
-  /// Returns cases/NAME.toml with the test's integrator; nothing where the folder is absent.
+  /// Reads a scene of the shared folder `cases`, with the test's integrator; none if the folder is absent.
   static std::optional<SceneConfig> scene(const std::string& name) {
     const std::filesystem::path file = test::shared_file("cases/" + name + ".toml");
     if (file.empty()) return std::nullopt;
@@ -31,7 +32,7 @@ class SharedCases : public testing::TestWithParam<const char*> {
     return read.motion ? *std::move(read.motion) : Motion(scene);
   }
 
-  /// Returns where the middle of all nodes is at these times.
+  /// Returns the mean position of all nodes at these times.
   static std::vector<Vec3> centres_of_nodes(const SceneConfig& scene, std::vector<double> times) {
     Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
     EXPECT_TRUE(made.session);

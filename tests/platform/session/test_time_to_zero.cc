@@ -1,4 +1,4 @@
-// How long a motor keeps its torque when the host has died: as the drive was set up, and by nothing else.
+// Time for which a motor keeps its torque after the host died: determined only by the drive's configuration.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ SceneConfig scene_with(DriveProtocol protocol, DriveWatchdog watchdog) {
   return scene;
 }
 
-/// A rig with torque on its motors, whose host then sends nothing any more.
+/// A rig with torque on its motors and a host that then stops sending.
 class DyingHost {
  public:
   explicit DyingHost(const SceneConfig& scene) : device(scene) {
@@ -47,7 +47,7 @@ class DyingHost {
     booted = device.boot();
   }
 
-  /// From the last command to the first time without torque, s; none where there is some after `limit_s`.
+  /// Returns the time from the last command to the first zero torque, s; none if longer than `limit_s`.
   std::optional<double> time_to_zero(double limit_s) {
     const Nanoseconds end = device.t_sync_ns + std::llround(1e9 * limit_s);
     for (Nanoseconds t = device.t_sync_ns; t < end;) {
@@ -113,7 +113,7 @@ TEST(TimeToZero, MoteusByTheRegisterThatEachCommandSets) {
   expect_zero_in_time(scene_with(DriveProtocol::moteus, DriveWatchdog::host), 0);
 }
 
-// What was set up is obeyed, also where it is bad: the profile as it was shipped before.
+// The configured value is used even if it is bad: the profile as it was shipped before.
 TEST(TimeToZero, IsWhatTheProfileSaysAndNotWhatTheSimulationWouldLike) {
   std::string text = read_text(profile_folder + "generic-402.toml").value();
   const std::size_t deadline = text.find("deadline_ms");
@@ -141,7 +141,7 @@ TEST(TimeToZero, DriveThatNobodySetUpKeepsItsTorque) {
   }
 }
 
-// A host that is late by less than the deadline is forgiven; by more, the motors are off until it arms again.
+// A delay of the host below the deadline has no effect; above it, the motors are off until it arms again.
 TEST(TimeToZero, HiccupOfTheHostIsForgivenUpToTheDeadline) {
   for (const int late_ms : {10, 30}) {
     SceneConfig scene = scene_with("generic-402");
@@ -166,7 +166,8 @@ TEST(TimeToZero, HiccupOfTheHostIsForgivenUpToTheDeadline) {
   }
 }
 
-// In every state in which the deadline runs the drive gets its RPDO1: booting, enabling, in a fault, running down.
+// In every state with the deadline active the drive receives its RPDO1: booting, enabling, in a fault,
+// running down.
 TEST(TimeToZero, TheHostsOwnCycleNeverTripsIt) {
   DyingHost host(scene_with("generic-402"));
   ASSERT_TRUE(host.booted) << host.device.rig.fault_text();

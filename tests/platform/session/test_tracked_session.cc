@@ -1,4 +1,4 @@
-// A body that follows a simulated tracker, in the loop that real ones are in.
+// A body that follows a simulated tracker, in the same loop as with real ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

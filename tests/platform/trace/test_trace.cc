@@ -61,7 +61,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   const std::string path = testing::TempDir() + "/godobject_contact_trace.csv";
   TraceWriter writer(path, scene);
   std::array<TraceBody, 2> bodies{};
-  bodies[0].contact.f = Vec3(9, 9, 9);  // not of a body that can be touched
+  bodies[0].contact.f = Vec3(9, 9, 9);  // of a body without contacts
   bodies[1].contact.f = Vec3(1, 2, 3);
   writer.row(0, bodies, std::array<TraceDriven, 1>{}, {},
              {.contacts = {.num_contacts = 5, .deepest = 1e-5, .residual = 1e-7}}, {});
@@ -78,7 +78,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
 TEST(Trace, ADeviceThatTakesHoldHasItsColumns) {
   SceneConfig scene = coupled_and_free();
   scene.device = DeviceConfig{.name = "hand", .holds = "tool", .limits = {}, .rig = {}, .plant = {}};
-  ASSERT_TRUE(takes_hold(scene));
+  ASSERT_TRUE(grips_bodies(scene));
   const std::vector<std::string> columns = trace_columns(scene);
   EXPECT_THAT(std::vector(columns.begin() + 46, columns.begin() + 54),
               testing::ElementsAre("held", "hand.fx", "hand.fy", "hand.fz", "hand.tx", "hand.ty", "hand.tz",

@@ -21,11 +21,11 @@ CanFrame frame_of(std::uint32_t id, std::uint8_t size = 8, std::uint8_t fill = 0
 }
 
 Nanoseconds wire_time(const CanFrame& frame) { return duration_ns(exact_bits(frame), {}); }
-Nanoseconds error_end(const CanFrame& frame, int flag_bits) {  // from its start, intermission included
+Nanoseconds error_end(const CanFrame& frame, int flag_bits) {  // from its start, including the intermission
   return wire_time(frame) + (-11 + flag_bits + 8 + 3) * us;
 }
 
-/// A wire with open ports on it and a list of what completed.
+/// A wire with open ports on it and a list of completed frames.
 struct Bus {
   explicit Bus(int num_nodes, const SimWireParams& params = {}) : wire(params) {
     for (int i = 0; i < num_nodes; ++i) EXPECT_TRUE(ports.emplace_back(wire).open());
@@ -84,7 +84,7 @@ TEST(SimCanBus, LowestIdentifierWinsWhoeverQueuedFirst) {
 TEST(SimCanBus, QueuesAreFirstInFirstOutPerNode) {
   Bus bus(3);
   bus.send(0, frame_of(0x300));
-  bus.send(0, frame_of(0x001));  // behind its elder
+  bus.send(0, frame_of(0x001));  // behind the earlier one
   bus.send(1, frame_of(0x200));
   bus.wire.advance_to(1000 * us);
   EXPECT_THAT(bus.ids(), ElementsAre(0x200, 0x300, 0x001));
@@ -103,7 +103,7 @@ TEST(SimCanBus, FrameOnTheWireIsNotInterrupted) {
   EXPECT_EQ(bus.log[1].t_ns, wire_time(slow) + wire_time(urgent) - 3 * us);
 }
 
-// A node that answers within the intermission competes with what has waited longer.
+// A node that answers within the intermission competes with frames that waited longer.
 TEST(SimCanBus, AnswerInTheIntermissionTakesPart) {
   Bus bus(3);
   bus.send(0, frame_of(0x080, 0));
@@ -227,7 +227,7 @@ TEST(SimCanBus, LoneNodeBecomesPassiveButNotBusOff) {
   EXPECT_EQ(bus.ports[0].counters().transmit_error_counter, 128);
   EXPECT_EQ(bus.ports[0].counters().bus_off_events, 0u);
   EXPECT_EQ(bus.ports[0].counters().sent, 0u);
-  // From the 17th attempt on each takes the suspend transmission time more.
+  // From the 17th attempt on each lasts longer by the suspend transmission time.
   const Nanoseconds period = error_end(frame_of(0x100), 6) + 8 * us;
   const auto attempts = 16 + (1'000'000 * us - t - 8 * us) / period;
   EXPECT_NEAR(static_cast<double>(bus.wire.counters().error_frames), static_cast<double>(attempts), 1);
@@ -312,7 +312,7 @@ TEST(SimCanBus, RecoveryTakes128Times11RecessiveBits) {
   bus.wire.set_corruption_probability(0);
   EXPECT_TRUE(bus.ports[0].restart());
   bus.wire.advance_to(10'500 * us);
-  EXPECT_TRUE(bus.ports[0].restart());  // does not start anew
+  EXPECT_TRUE(bus.ports[0].restart());  // does not start again
   bus.wire.advance_to(10'000 * us + 1'408'000 - 1);
   EXPECT_EQ(bus.ports[0].state(), BusState::bus_off);
   bus.wire.advance_to(10'000 * us + 1'408'000);

@@ -1,4 +1,4 @@
-// How faults begin and end; what a rig does about each is in test_fault_promise.cc.
+// Start and end of faults; test_fault_promise.cc tests the reaction of a rig to each.
 #include "sim/fault/injector.h"
 
 #include <gtest/gtest.h>
@@ -97,7 +97,7 @@ TEST(SensorsDisagree, AStuckDriveIsSeenTooAndDistanceBeforeReadyDoesNotCount) {
   for (DriveParams& drive : scene.device->rig->drives) {
     drive.max_slip = 0.01;
     drive.status_every_nth_sync = 4;
-    drive.calibration.home = 0.5;  // of a motor that was switched on anywhere
+    drive.calibration.home = 0.5;  // of a motor that was switched on at any position
   }
   test::FaultyRig device(scene);
   ASSERT_TRUE(device.boot()) << device.rig.fault_text();

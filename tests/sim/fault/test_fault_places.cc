@@ -1,4 +1,4 @@
-// A rig that is in fault still looks at its buses: what comes later is named too, and so is every place.
+// A rig in fault still reads its buses: later faults are named too, with all their places.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// The table of docs/faults.md, played: each verb with the faults that it promises, no others, in the documented time,
-// with the motors at zero in theirs.
+// The table of docs/faults.md, executed: each verb causes the promised faults and no others.
+// They occur within the documented time, and the motors are at zero in time.
 #include "sim/fault/promise.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr Nanoseconds watchdog_ns = 20'000'000;  // of the simulated drives
-constexpr Nanoseconds more_ns = 200'000'000;     // that is watched besides
+constexpr Nanoseconds more_ns = 200'000'000;     // watched beyond that
 
 TEST(FaultPromise, DocumentHoldsTheGeneratedTable) {
   std::ifstream file(GODOBJECT_SOURCE_DIR "/docs/faults.md");
@@ -48,7 +48,7 @@ class FaultPromiseKept : public testing::TestWithParam<FaultPromise> {
   const RigParams& params() const { return *device.scene.device->rig; }
   const RigFaultLog& log() const { return device.rig.fault_log(); }
 
-  /// Plays it, and runs until all that is promised should have come.
+  /// Plays the fault and runs until all promised faults should have come.
   void play() {
     ASSERT_TRUE(device.boot()) << device.rig.fault_text();
     const std::string words = test::words_for(GetParam(), params());

@@ -59,7 +59,7 @@ TEST(FaultTarget, TakesTheVerbsOwnValueWhereNoneIsGiven) {
 }
 
 TEST(FaultTarget, SaysWhatIsWrong) {
-  EXPECT_THAT(complaint("dorp"), HasSubstr("no verb 'dorp'"));
+  EXPECT_THAT(complaint("dorp"), HasSubstr("unknown verb 'dorp'"));
   EXPECT_THAT(complaint("drop bus=can7"), HasSubstr("no bus 'can7'"));
   EXPECT_THAT(complaint("drop bus=can0 node=9"), HasSubstr("no node 9"));
   EXPECT_THAT(complaint("stuck node=1"), HasSubstr("more than one bus"));
@@ -114,7 +114,7 @@ TEST(FaultFile, OfWhoDoesNotSimulateIsCheckedBySimulatedDevices) {
   const LoadResult loaded = parse_scene(toml, "scene");
   ASSERT_THAT(loaded.errors, IsEmpty());
   EXPECT_THAT(make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::sim).errors,
-              ElementsAre(HasSubstr("fault 'dorp' cannot be played: there is no verb 'dorp'")));
+              ElementsAre(HasSubstr("fault 'dorp' cannot be played: unknown verb 'dorp'")));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace godobject::test_buttons {
 namespace {
 
-// The demo's arm with an input node.
+// Returns the demo's arm with an input node.
 SceneConfig scene_with(const ButtonParams& button) {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
   EXPECT_TRUE(loaded.scene);

@@ -1,4 +1,4 @@
-// Rigs whose drives speak each protocol: up, holding torque, and what takes them down.
+// Rigs with drives of each protocol: booting, holding torque, and switching off.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -53,7 +53,7 @@ TEST_P(DriveProtocols, BootsArmsAndHoldsTorque) {
     EXPECT_NEAR(feedback.torque_Nm, device.rig.commanded_torque_Nm(i), 3e-3);
     EXPECT_NEAR(device.link.rig().applied_torque_Nm(i), device.rig.commanded_torque_Nm(i), 3e-3);
   }
-  EXPECT_GT(device.rig.commanded_torque_Nm(0), 0.01);  // the checks above have teeth
+  EXPECT_GT(device.rig.commanded_torque_Nm(0), 0.01);  // the checks above are not vacuous
 }
 
 TEST_P(DriveProtocols, LoadIsWhatTheBusCarries) {
@@ -83,7 +83,7 @@ TEST_P(DriveProtocols, WithoutTheHostEveryMotorStops) {
   ASSERT_TRUE(device.boot());
   for (int i = 0; i < 25; ++i) static_cast<void>(device.link.begin_cycle(device.motion_time));
   EXPECT_EQ(device.motor_torque(), 0);
-  EXPECT_TRUE(device.cycles_to_fault(200));  // the drives have tripped, and say so
+  EXPECT_TRUE(device.cycles_to_fault(200));  // the drives have tripped and report it
   device.rig.clear_faults(device.t_sync_ns);
   EXPECT_TRUE(device.boot()) << device.rig.fault_text();
 }
@@ -171,7 +171,7 @@ TEST(DriveProtocolsOnTheWire, NothingOfCanopenIsSentToDrivesOfAnotherKind) {
   for (const std::uint32_t id : seen.ids) ASSERT_TRUE(id >> 5 == 1 || id >> 5 == 2) << std::hex << id;
 }
 
-// A drive is the only sensor of its joint where that has no encoder.
+// A drive is the only sensor of its joint if that has no encoder.
 TEST(DriveProtocolsOnTheWire, TheDrivesOwnPositionIsASensor) {
   for (const DriveProtocol protocol : {DriveProtocol::odrive, DriveProtocol::moteus}) {
     SceneConfig scene = scene_with(protocol);

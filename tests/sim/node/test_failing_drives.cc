@@ -1,5 +1,4 @@
-// Rigs whose drives fail when they are given power, look at their commands seldom, or report limits in other
-// bits.
+// Rigs with drives that fail when powered, read their commands seldom, or report limits in other bits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +21,7 @@ using testing::HasSubstr;
 constexpr Nanoseconds ms = 1'000'000;
 constexpr std::uint8_t id = 7;
 
-/// A hinge with nothing but one drive; the node on the wire is of the test's making.
+/// A hinge with one drive only; the test makes the node on the wire.
 class OneDrive {
  public:
   using Make = std::function<std::unique_ptr<SimNode>(CanBus&, const DriveParams&)>;
@@ -61,7 +60,7 @@ class OneDrive {
     now += ms;
     advance(*wire, nodes, now);
   }
-  /// Cycles until ready or a fault, at most those of the boot time-out and some.
+  /// Runs cycles until ready or a fault, at most those of the boot time-out and some.
   int boot() {
     rig->start(now);
     int count = 0;
@@ -99,7 +98,7 @@ OneDrive::Make cia402_with(const SimDriveQuirks& quirks) {
   };
 }
 
-/// Times that the statusword became Operation Enabled.
+/// Returns the number of times that the statusword became Operation Enabled.
 int times_enabled(const std::vector<ReceivedFrame>& frames) {
   int times = 0;
   bool was = false;
@@ -234,16 +233,16 @@ TEST(FailingDrives, ALimitThatClearsBit12IsNoLossOfTheDrive) {
   }
 }
 
-/// Answers SYNC with frames of the test's making; a heartbeat every 50 ms.
+/// Answers SYNC with scripted frames; a heartbeat every 50 ms.
 class ScriptedNode final : public SimNode {
  public:
   ScriptedNode(CanBus& bus, std::vector<CanFrame> answers, std::vector<CanFrame> heartbeats)
       : bus_(bus), answers_(std::move(answers)), heartbeats_(std::move(heartbeats)) {}
   void poll(Nanoseconds now) noexcept override {
     for (ReceivedFrame received; bus_.try_receive(received);) {
-      const bool asked = received.frame.id == canopen::sync_cob_id || received.frame.remote;
+      const bool is_request = received.frame.id == canopen::sync_cob_id || received.frame.remote;
       for (const CanFrame& frame : answers_)
-        if (asked) static_cast<void>(bus_.try_send(frame));
+        if (is_request) static_cast<void>(bus_.try_send(frame));
     }
     for (; t_next_ <= now; t_next_ += 50 * ms)
       for (const CanFrame& frame : heartbeats_) static_cast<void>(bus_.try_send(frame));
@@ -273,13 +272,13 @@ std::string text_of_boot(DriveProtocol protocol, const std::vector<CanFrame>& an
 TEST(BootTimeout, IsToldByWhatWasHeardOfTheNode) {
   const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
   const CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
-  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {}), HasSubstr("nothing was heard of it"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {}), HasSubstr("no frame of it was received"));
   EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {operational}),
-              HasSubstr("it is operational, no TPDO1 with its status has come"));
+              HasSubstr("it is operational, no TPDO1 with its status was received"));
   EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {},
                            {canopen::make_heartbeat(id, canopen::NmtState::pre_operational)}),
               HasSubstr("it is pre-operational"));
-  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {status}, {}), HasSubstr("no heartbeat was heard"));
+  EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {status}, {}), HasSubstr("no heartbeat was received"));
   const std::string stuck =
       text_of_boot(DriveProtocol::cia402,
                    {status, cia402::make_event(id, {.mode = 10, .error_code = 0x3220})}, {operational});
@@ -297,7 +296,7 @@ TEST(BootTimeout, IsToldByTheLengthOfFramesThatWereNotUnderstood) {
     CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
     status.size = size;
     const std::string text = text_of_boot(DriveProtocol::cia402, {status}, {operational});
-    EXPECT_THAT(text, HasSubstr("of its frames were not understood, the last 187 of " + std::to_string(size) +
+    EXPECT_THAT(text, HasSubstr("of its frames were invalid, the last 187 of " + std::to_string(size) +
                                 " bytes, which is too short"));
   }
 }

@@ -1,4 +1,4 @@
-// The object dictionaries of the simulated nodes, through SDO on the wire, and that the nodes obey them.
+// The object dictionaries of the simulated nodes, read and written by SDO on the wire, and their effect.
 #include "sim/node/canopen/object_dictionary.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ struct Network : ::testing::Test {
     log.clear();
   }
   int count(std::uint32_t id) const { return static_cast<int>(std::ranges::count(log, id, &CanFrame::id)); }
-  /// Of the newest frame with this identifier.
+  /// Returns the bytes of the newest frame with this identifier.
   std::string bytes(std::uint32_t id) const {
     std::string text;
     for (const CanFrame& frame : log)
@@ -138,14 +138,15 @@ TEST_F(Network, BlockTransferIsUnknown) {
   EXPECT_EQ(sdo::abort_code_of(answer), AbortCode::unknown_command);
 }
 
-// Any requests in any order: nothing is read or written out of bounds (the sanitizers watch), and the node lives on.
+// Random requests in any order: no access out of bounds (checked by the sanitizers), and the node keeps
+// working.
 TEST_F(Network, SurvivesAnyRequest) {
   std::uint32_t random = 1;
   const auto next = [&random] { return (random = random * 1664525u + 1013904223u) >> 16; };
   for (int i = 0; i < 50000; ++i) {
     CanFrame frame{.id = i % 8 == 0 ? lss::request_cob_id : sdo::request_cob_id(drive_id), .size = 8};
     for (std::uint8_t& byte : std::span(frame.data).first(8)) byte = static_cast<std::uint8_t>(next());
-    if (i % 2 == 0) {  // objects that are there
+    if (i % 2 == 0) {  // existing objects
       frame.data[2] = static_cast<std::uint8_t>(i % 4 == 0 ? 0x10 : 0x1A);
       frame.data[1] = static_cast<std::uint8_t>(next() % 32);
       frame.data[3] = static_cast<std::uint8_t>(next() % 9);
@@ -253,7 +254,7 @@ TEST_F(Network, ResetCommunicationBringsTheCommunicationBack) {
   EXPECT_EQ(read(encoder_id, {0x6000, 0}), 0);
 }
 
-// The consumer starts with the first heartbeat it hears; 6007h says what then happens.
+// The consumer starts with the first heartbeat it receives; 6007h selects the reaction.
 TEST_F(Network, DriveReactsToALostHost) {
   ASSERT_EQ(write(drive_id, {0x1016, 1}, ObjectType::u32, 127 << 16 | 30), AbortCode::none);
   ASSERT_EQ(write(drive_id, {0x6007, 0}, ObjectType::i16, 2), AbortCode::none);

@@ -1,4 +1,4 @@
-// SDO over a bus that loses frames, as the fault verb drop makes it.
+// SDO over a bus that loses frames, by the fault verb drop.
 #include "hal/canopen/sdo/client.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What only a host sends comes from another one: the rig stops its motors and names the bus and the frame.
+// Frames of a second host: the rig stops its motors and names the bus and the frame.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ TEST_P(SecondHost, IsSeenByWhatOnlyAHostSends) {
   test::FaultyRig device;
   SimCanPort& other = device.link.rig().attach(GetParam().bus);
   ASSERT_TRUE(device.boot()) << device.rig.fault_text();
-  const Nanoseconds later_ns = device.t_sync_ns + 900'000;  // the commands have left: the wire is free
+  const Nanoseconds later_ns = device.t_sync_ns + 900'000;  // after the commands, when the wire is free
   while (device.link.wait(later_ns) < later_ns) continue;
   ASSERT_EQ(other.try_send(GetParam().frame), SendResult::queued);
   EXPECT_TRUE(device.cycles_to_fault(3)) << "not seen";
@@ -44,7 +44,7 @@ INSTANTIATE_TEST_SUITE_P(
                             "second_host (can1 node 2, drive of elbow, identifier 0x202)"}),
     [](const auto& each) { return each.param.name; });
 
-// Tools ask and nodes talk to each other: what is not a host's alone is none of the rig's business.
+// Tools and nodes exchange frames too; the rig ignores frames that any of them may send.
 TEST(SecondHost, IsNotWhatOthersMaySend) {
   test::FaultyRig device;
   SimCanPort& other = device.link.rig().attach(1);

@@ -213,7 +213,7 @@ TEST(SimDrive, WatchdogSleepsWhileThePowerStageIsOff) {
 TEST(SimDrive, FaultIsLeftByARisingEdgeOnly) {
   Rig rig;
   rig.enable();
-  rig.cycle(cia402::Command{.controlword = 0x8F});  // bit 7 already set when the fault comes
+  rig.cycle(cia402::Command{.controlword = 0x8F});  // bit 7 is already set when the fault occurs
   rig.cycle(cia402::Command{.controlword = 0x8F});
   rig.drive.trip(0x2310);
   for (int i = 0; i < 5; ++i) rig.cycle(cia402::Command{.controlword = 0x80});
@@ -251,7 +251,7 @@ TEST(SimDrive, LeavingOperationalSwitchesOff) {
     rig.run_to(rig.wire.now() + ms);
     rig.cycle();
     rig.cycle();
-    EXPECT_EQ(rig.drive.applied_torque_Nm(), 0);  // nothing of the old command is left
+    EXPECT_EQ(rig.drive.applied_torque_Nm(), 0);  // the old command has no effect
     EXPECT_EQ(rig.drive.drive_state(), DriveState::switch_on_disabled);
   }
 }
@@ -312,7 +312,7 @@ TEST(SimDrive, CommandsOfTheWrongSizeAreRefusedWithAnEmergency) {
   }
 }
 
-// Modes beyond CST. The motor is where the test puts it.
+// Modes other than CST. The test sets the motor's position.
 
 template <class T>  // of the object's size
 void set(Rig& rig, canopen::ObjectAddress object, T value) {

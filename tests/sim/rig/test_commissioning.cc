@@ -1,4 +1,4 @@
-// The master sets up simulated nodes as they leave the factory; the rig then works with them.
+// The master configures simulated nodes in their factory state; the rig then works with them.
 #include "hal/canopen/commissioning.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ using testing::IsEmpty;
 constexpr Nanoseconds ms = 1'000'000;
 const std::string profile_folder = std::string(GODOBJECT_SOURCE_DIR) + "/hal/profiles/";
 
-/// The grasper's rig; its nodes have the generic profiles.
+/// Returns the grasper's rig with generic profiles.
 RigParams grasper() {
   const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR) + "/sim/scenes/grasper.toml");
   EXPECT_THAT(loaded.errors, IsEmpty());
@@ -52,7 +52,7 @@ void run(Commissioning& commissioning, SimulatedRig& sim, Nanoseconds limit = 10
   }
 }
 
-/// A shipped profile with one thing changed, and the line of the change.
+/// A shipped profile with one change, and the line of the change.
 struct Changed {
   NodeProfile profile;
   std::string place;  // "generic-402.toml:21"
@@ -136,7 +136,7 @@ TEST(Commissioning, PollAllocatesNothing) {
   EXPECT_EQ(calls, 0);
 }
 
-// A node may start by itself after its boot-up, and then refuse what follows.
+// A node may start by itself after its boot-up, and then refuse further configuration.
 TEST(Commissioning, NodeIsHaltedBeforeTheFirstRequest) {
   const RigParams params = grasper();
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
@@ -154,7 +154,7 @@ TEST(Commissioning, NodeIsHaltedBeforeTheFirstRequest) {
   EXPECT_EQ(std::vector(order.begin(), order.begin() + 3), (std::vector<std::uint32_t>{0x701, 0, 0x601}));
 }
 
-/// All drives in fault within that time of the host's last cycle, for this reason.
+/// Expects all drives in fault with this error code, within this time after the host's last cycle.
 void expect_drives_to_stop(const RigParams& params, const RigProfiles& profiles, Nanoseconds within,
                            std::uint16_t error_code) {
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
@@ -175,7 +175,7 @@ TEST(Commissioning, DrivesStopWhenTheHostVanishes) {
   expect_drives_to_stop(params, profiles_of(params), 20 * ms, 0x8250);
 }
 
-// 1016h and 6007h: the same where there is no deadline.
+// 1016h and 6007h: the same without a deadline.
 TEST(Commissioning, DrivesStopWhenTheHostsHeartbeatStaysAway) {
   const RigParams params = grasper();
   RigProfiles profiles = profiles_of(params);
@@ -210,7 +210,7 @@ struct Failing {
     EXPECT_TRUE(commissioning.done() && commissioning.failed());
     return commissioning.errors();
   }
-  /// Drive 0 gets the changed profile; returns its place.
+  /// Gives drive 0 a changed profile; returns the place of the change.
   std::string change(const std::string& from, const std::string& to) {
     Changed it = changed("generic-402", from, to);
     profiles.drives[0] = it.profile;
@@ -303,10 +303,10 @@ TEST(CommissioningErrors, BusThatSendsNothing) {
   failing.sim.hosts[1]->close();
   const std::vector<std::string> errors = failing.errors();
   ASSERT_EQ(errors.size(), 2u);
-  EXPECT_THAT(errors[0], AllOf(HasSubstr("(can1 node 1)"), HasSubstr("did not take the reset")));
+  EXPECT_THAT(errors[0], AllOf(HasSubstr("(can1 node 1)"), HasSubstr("did not accept the reset")));
 }
 
-/// A server whose objects do not keep what is written.
+/// A server with objects that do not store written values.
 class StubbornNode final : ObjectObserver {
  public:
   StubbornNode() {
@@ -315,7 +315,7 @@ class StubbornNode final : ObjectObserver {
     EXPECT_TRUE(host_.open() && port_.open());
   }
 
-  /// Runs the steps to their end; the error, or empty.
+  /// Runs the steps to their end; returns the error, or empty.
   std::string run(std::vector<SdoStep> steps) {
     SdoSequence sequence(5, std::move(steps), 100 * ms, 50 * ms);
     for (Nanoseconds now = 0; !sequence.done() && !sequence.failed() && now < 1000 * ms; now += ms) {
@@ -399,7 +399,7 @@ TEST(Profile, ShippedOnesAreValid) {
   EXPECT_THAT(shipped_profiles(), ElementsAre("epos4", "generic-402", "generic-406", "nanotec"));
   for (const std::string& name : shipped_profiles()) {
     RigParams rig = grasper();
-    rig.heartbeat_period_s = 5e-3;  // epos4 and nanotec watch it
+    rig.heartbeat_period_s = 5e-3;  // checked by epos4 and nanotec
     if (name == "generic-406") rig.encoders[0].profile = name;
     else rig.drives[0].profile = name;
     EXPECT_THAT(load_profiles(rig, ".").errors, IsEmpty());
@@ -434,9 +434,9 @@ TEST(Profile, ContradictionsWithTheSceneAreFoundBeforeTheBus) {
   rig.heartbeat_timeout_s = 0.05;
   rig.cycle_s = 1.0 / 3000;
   const std::vector<std::string> errors = load_profiles(rig, ".").errors;
-  EXPECT_THAT(errors, testing::Contains(HasSubstr("host: give it twice")));
-  EXPECT_THAT(errors, testing::Contains(HasSubstr("at least twice within")));
-  EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot carry")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("host: set at least twice")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("at most half of the scene's heartbeat_timeout")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot represent")));
   rig = grasper();
   rig.cycle_s = 0.02;
   EXPECT_THAT(load_profiles(rig, ".").errors,

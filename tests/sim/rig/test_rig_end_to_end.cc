@@ -14,7 +14,7 @@ using test::SimulatedRig;
 
 constexpr double quantum_rad = 1 / test::arm_counts_per_rad;
 
-// A pose motion through the arm's inverse kinematics: what the encoders are fed with.
+// A pose motion through the arm's inverse kinematics, as input of the encoders.
 struct PoseMotion {
   static Pose pose(double t) {
     Pose X;
@@ -65,7 +65,7 @@ TEST(RigEndToEnd, PoseIsTheTruePoseWithinHalfACountPerJoint) {
   for (int k = 0; k < 2000; ++k) {
     sim.cycle();
     ASSERT_TRUE(sim.sample.valid) << sim.rig->fault_text();
-    // the nodes hold what the plant had at the last of its 50 us steps before the SYNC ended
+    // the nodes report the plant's state at the last of its 50 us steps before the SYNC ended
     const double t = 1e-9 * static_cast<double>(sim.cycle_start_ns - SimulatedRig::cycle_ns + 50'000);
     const Pose X = PoseMotion::pose(t);
     const HandleJacobian J = arm.at(sim.sample.q).jacobian(0).cwiseAbs();
@@ -113,7 +113,8 @@ TEST(RigEndToEnd, TorqueReachesTheMotorsWithTheRightSignAndValue) {
     const DriveParams& drive = sim.params.drives[i];
     const double half_per_mille = 0.5e-3 * drive.torque_rated_Nm / drive.joint_per_motor_rad;
     EXPECT_NEAR(sim.applied_joint_torque(i), tau(static_cast<Eigen::Index>(i)), half_per_mille + 1e-12) << i;
-    EXPECT_GT(std::abs(tau(static_cast<Eigen::Index>(i))), 10 * half_per_mille);  // the check above has teeth
+    // the check above is not vacuous
+    EXPECT_GT(std::abs(tau(static_cast<Eigen::Index>(i))), 10 * half_per_mille);
     const DriveFeedback feedback = sim.rig->drive_feedback(i, sim.now);
     EXPECT_NEAR(feedback.torque_Nm, sim.rig->commanded_torque_Nm(i), 0.5e-3 * drive.torque_rated_Nm + 1e-12);
     EXPECT_NEAR(feedback.position.q, 0, 1e-4);
@@ -157,7 +158,7 @@ TEST(RigEndToEnd, CommandsSaturateAndSlew) {
   EXPECT_DOUBLE_EQ(sim.drives[0]->applied_torque_Nm(), 0.15);
 }
 
-/// stale_after later the pose is held, lost_after later it is a fault.
+/// The pose is held after stale_after; after lost_after it is a fault.
 TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
   SimulatedRig sim;
   ASSERT_TRUE(sim.boot());
@@ -174,7 +175,7 @@ TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
   EXPECT_LE(sim.now - unplugged_ns, 3'000'000 + SimulatedRig::cycle_ns);
   EXPECT_EQ(sim.rig->faults(), RigFault::none);
   while (!any(sim.rig->faults()) && sim.now < unplugged_ns + 200'000'000) sim.cycle(F);
-  // At its max_speed of 50 rad/s the joint could have gone half a turn after 62.8 ms: its turn is not known any more.
+  // At its max_speed of 50 rad/s the joint may move half a turn in 62.8 ms; then its angle is ambiguous.
   EXPECT_GE(sim.now - unplugged_ns, 62'000'000);
   EXPECT_LE(sim.now - unplugged_ns, 63'000'000 + SimulatedRig::cycle_ns);
   EXPECT_EQ(sim.rig->faults(), RigFault::sample_stale);
@@ -195,7 +196,7 @@ TEST(RigEndToEnd, UnpluggedEncoderIsStaleWithinTheLimitAndTorqueRunsDown) {
   EXPECT_EQ(last, 0);
   EXPECT_EQ(sim.drives[0]->applied_torque_Nm(), 0);
 
-  // plugged in again: nothing moves until the fault is cleared and the rig armed
+  // plugged in again: no motion until the fault is cleared and the rig armed
   sim.encoder_ports[2]->set_connected(true);
   sim.cycles(300, F);
   EXPECT_EQ(sim.drives[0]->applied_torque_Nm(), 0);

@@ -1,4 +1,5 @@
-// Setting nodes up: maps that are right already or cannot be changed, and nodes that boot again meanwhile.
+// Configuration of nodes: maps that are right already or cannot be changed, and nodes that boot again
+// meanwhile.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ constexpr Nanoseconds ms = 1'000'000;
 
 MappedObject mapped(const char* name) { return parse_mapped_object(name).value(); }
 
-/// What the rig expects of a drive, as the shipped profiles have it.
+/// Returns a profile with the rig's requirements on a drive, as in the shipped profiles.
 NodeProfile drive_profile() {
   NodeProfile profile{.file = "drive.toml"};
   profile.heartbeat_ms = FromLine<std::uint16_t>{.value = 50};
@@ -35,7 +36,7 @@ NodeProfile drive_profile() {
   return profile;
 }
 
-/// An arm whose first drive has a profile.
+/// An arm with a profile for its first drive.
 class SettingUp {
  public:
   explicit SettingUp(SimDefaults defaults, const NodeProfile& profile = drive_profile())
@@ -46,7 +47,7 @@ class SettingUp {
     sim.wires[1].set_observer({.on_frame = note, .context = this});
   }
 
-  /// Up to its end; before each millisecond `meanwhile`.
+  /// Runs to the end; calls `meanwhile` before each millisecond.
   std::vector<std::string> run(const std::function<void(Nanoseconds since_start)>& meanwhile = {}) {
     Commissioning commissioning(sim.params, profiles, sim.hosts);
     const Nanoseconds start = sim.now;
@@ -151,7 +152,7 @@ TEST(SetUp, EndsWhereTheNodeBootsForEver) {
   EXPECT_THAT(errors, testing::ElementsAre(HasSubstr("booted again and again while it was set up")));
 }
 
-/// A node that plays the device of a profile passes its identity and torque checks.
+/// A node that simulates the device of a profile passes its identity and torque checks.
 TEST(SetUp, ASimulatedNodePlaysTheDeviceOfAProfile) {
   NodeProfile profile = drive_profile();
   profile.identity = {{.address = {0x1000, 0}, .value = 402},

@@ -49,7 +49,8 @@ TEST(SimPlant, FrictionHoldsBelowBreakawayAndGivesWayAbove) {
   EXPECT_EQ(plant.q_dot()(0), 0);
   plant.set_motor_torque(0, 0.11);
   for (int k = 501; k <= 3000; ++k) plant.advance(k * ms, one(0), one(0));
-  EXPECT_NEAR(plant.q_dot()(0), (0.11 - 0.1) / config.damping, 1e-6);  // damping takes what friction leaves
+  // damping balances the torque beyond friction
+  EXPECT_NEAR(plant.q_dot()(0), (0.11 - 0.1) / config.damping, 1e-6);
 }
 
 TEST(SimPlant, FollowsAnUndampedOscillationInClosedForm) {
@@ -72,7 +73,7 @@ TEST(SimPlant, TracksAMovingReferenceWithoutLagInSteadyMotion) {
   EXPECT_NEAR(plant.q_dot()(0), 0.5, 1e-9);
 }
 
-// Work of motor and hand >= change of kinetic energy: damping and friction only take.
+// Work of motor and hand >= change of kinetic energy: damping and friction only dissipate.
 TEST(SimPlant, PassiveOverAnyMotionOfHandAndMotor) {
   PlantConfig config;
   config.friction = 0.02;

@@ -14,7 +14,7 @@ using test::SimulatedTracker;
 
 const Pose here{.p = Vec3(0.1, -0.2, -1.5), .q = Quat(0.5, 0.5, -0.5, 0.5)};
 
-/// A wired tool and a passive one, whose definition is 700 bytes.
+/// A wired tool and a passive one with a definition of 700 bytes.
 struct Polaris : SimulatedTracker {
   explicit Polaris(const std::vector<std::string>& tools = {"0A", "probe.rom"},
                    const TrackerParams& params = {})
@@ -150,7 +150,8 @@ TEST(SimNdi, NoiseOnTheLineCostsRepliesAndNeverGivesAPose) {
 
 enum class Damage : std::uint8_t { drop, truncate, corrupt, twice };
 
-/// At 115200 bit/s a reply of two tools takes 9 ms: it is asked for again before the second measurement has passed.
+/// At 115200 bit/s a reply of two tools takes 9 ms; the request is repeated before the second measurement has
+/// passed.
 TEST(SimNdi, ADamagedReplyCostsTwoFramesAtTheMost) {
   constexpr double frame_s = 1.0 / 60;
   for (const bool text : {false, true})
@@ -195,7 +196,7 @@ TEST(SimNdi, ADamagedReplyCostsTwoFramesAtTheMost) {
       }
 }
 
-/// A tracker that waits for its next measurement, or a slow adapter, is not asked twice.
+/// The request is not repeated while a tracker waits for its next measurement, or an adapter is slow.
 TEST(SimNdi, WhatIsSlowIsNotTakenForLost) {
   for (const Nanoseconds delay : {1'000'000, 16'000'000, 60'000'000}) {
     Polaris rig;
@@ -237,7 +238,7 @@ TEST(SimNdi, NobodyThereIsAFailureWithARemedyAndIsTriedAgain) {
 TEST(SimNdi, APowerCycleIsSeenAtOnce) {
   Polaris rig;
   ASSERT_TRUE(rig.track());
-  rig.far->serial_break(rig.now);  // forgets everything and says RESET
+  rig.far->serial_break(rig.now);  // resets all state and sends RESET
   rig.run(0.05);
   EXPECT_EQ(rig.tracker->report().counters.restarts, 1u);
   EXPECT_TRUE(rig.track());
@@ -253,8 +254,7 @@ TEST(SimNdi, LateRepliesAreTakenAsLate) {
   EXPECT_LT(rig.now - rig.tool(0).t_ns, 45'000'000);
 }
 
-/// Tools that somebody else has plugged in, loaded or worn out cost nothing: however many, and whatever their
-/// poses are.
+/// Foreign tools that are plugged in, loaded or worn out have no effect, for any number and any poses.
 TEST(SimNdi, ForeignToolsCostNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const bool text_only : {false, true}) {
@@ -277,7 +277,7 @@ TEST(SimNdi, ForeignToolsCostNothing) {
   }
 }
 
-/// One tool of the scene without a pose does not cost the other.
+/// A tool of the scene without a pose does not affect the other.
 TEST(SimNdi, AToolWithoutAPoseCostsNoOther) {
   Polaris rig({"0A", "0B"});
   ASSERT_TRUE(rig.track());

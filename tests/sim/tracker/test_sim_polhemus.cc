@@ -73,7 +73,7 @@ TEST(SimPolhemus, NoiseCostsRecords) {
   EXPECT_GT(rig.tool(0).number, 400u);
 }
 
-/// A tool that somebody calibrated, and saved it in the tracker, years ago.
+/// A tool with an old calibration saved in the tracker.
 TEST(SimPolhemus, FramesSavedInTheTrackerChangeNothing) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -116,8 +116,7 @@ TEST(SimPolhemus, TheHemisphereIsThatOfTheScene) {
   }
 }
 
-/// Beyond the plane of the hemisphere the tracker reports the mirror image: the tool is lost, not somewhere
-/// else.
+/// Beyond the plane of the hemisphere the tracker reports the mirror image: the tool is lost, not displaced.
 TEST(SimPolhemus, ASensorThatLeavesItsHemisphereIsLostUntilItIsBack) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -183,7 +182,7 @@ TEST(SimPolhemus, AnotherProtocolAtTheOtherEndIsNamed) {
         {reinterpret_cast<const std::uint8_t*>(earlier_host.data()), earlier_host.size()}, 0);
     ASSERT_TRUE(to_polhemus.run_until(
         [&] { return to_polhemus.tracker->report().state == TrackerState::failed; }, 40));
-    EXPECT_NE(std::string(to_polhemus.tracker->report().text.data()).find("not understood"),
+    EXPECT_NE(std::string(to_polhemus.tracker->report().text.data()).find("not recognised"),
               std::string::npos)
         << to_polhemus.tracker->report().text.data();
   }

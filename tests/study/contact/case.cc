@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using oracle::RigidState;
 
-/// sim/scenes/reference/press.toml; the target is a file.
+/// Case of sim/scenes/reference/press.toml; the target is a file.
 bench::ContactScene press() {
   oracle::Body tool;
   tool.name = "tool";
@@ -33,7 +33,7 @@ bench::ContactScene press() {
   return scene;
 }
 
-/// sim/scenes/reference/bounce.toml
+/// Case of sim/scenes/reference/bounce.toml.
 bench::ContactScene bounce() {
   oracle::Body ball;
   ball.name = "ball";
@@ -68,7 +68,7 @@ oracle::Solution load_solution(const fs::path& file, const std::string& body) {
   return solution;
 }
 
-/// Height above where the ball touches.
+/// Returns the height above the contact of the ball, m.
 double height(const bench::ContactScene& scene, const RigidState& x) { return x.p.z() - scene.radius; }
 
 }  // namespace

@@ -15,30 +15,32 @@ struct ContactCase {
   oracle::Solution exact;
 };
 
-/// Those whose files are in `shared` (the folder with reference/); others are named in `skipped`, with the reason. Throws
-/// std::runtime_error for a malformed file.
+/// Returns the cases whose files are in `shared` (the folder with reference/). skipped: receives the others,
+/// with the reason. Throws std::runtime_error for a malformed file.
 std::vector<ContactCase> contact_cases(const std::filesystem::path& shared,
                                        std::vector<std::string>& skipped);
 
-/// Depth of the body's deepest sphere in the plane, m; 0 above it.
+/// Returns the depth of the body's deepest sphere in the plane, m; 0 above it.
 double penetration(const bench::ContactScene& scene, const oracle::RigidState& x);
 
-/// Kinetic, of gravity, of the coupling to the target at time t and of the contacts' springs, J. Of the first body.
+/// Returns the energy of the first body at time t, J: kinetic, gravity, coupling to the target, springs of
+/// the contacts.
 double mechanical_energy(const bench::ContactScene& scene, const oracle::RigidState& x, double t);
 
-/// What a ball does between two impacts.
+/// Motion of a ball between two impacts.
 struct Flight {
-  double apex = 0;     // above where it touches, m
+  double apex = 0;     // height above the contact, m
   double landing = 0;  // s
 };
 
-/// The flights of a ball that began above the plane, of those that ended.
+/// Returns the completed flights of a ball that began above the plane.
 std::vector<Flight> flights(const bench::ContactScene& scene, const oracle::Solution& solution);
 
-/// Speed after the first impact over that before; 0 where there was none.
+/// Returns the speed after the first impact over that before it; 0 without an impact.
 double restitution(const std::vector<Flight>& flights);
 
-/// Worst difference of height and time of every flight, shares of the exact one's. Infinite where one is missing.
+/// Returns the largest error of height and time over all flights, as a share of the exact value; infinite if
+/// a flight is missing.
 double worst_flight_error(const std::vector<Flight>& flights, const std::vector<Flight>& exact);
 
 }  // namespace godobject::study

@@ -11,17 +11,18 @@
 namespace godobject::study {
 namespace {
 
-constexpr double longest_step = 2e-3;  // s; its multiples are those of every step
+constexpr double longest_step = 2e-3;  // s: a multiple of every step
 
 std::vector<double> contact_steps(const bench::ContactScene& scene, bool quick) {
   const bool is_coupled = scene.problem.bodies.front().coupling.has_value();
-  const int halvings = quick ? 3 : is_coupled ? 4 : 6;  // a bounce is short: its order shows late
+  // a bounce is short: its order appears only at small steps
+  const int halvings = quick ? 3 : is_coupled ? 4 : 6;
   std::vector<double> steps;
   for (int i = 0; i <= halvings; ++i) steps.push_back(std::ldexp(longest_step, -i));
   return steps;
 }
 
-/// The body after every step, the start first.
+/// Returns the body at the start and after every step.
 template <Scene S>
 oracle::Solution solve_by_steps(const bench::ContactScene& scene, CaseRun<S>& run,
                                 const std::vector<Input<S>>& inputs, double h) {
@@ -50,7 +51,7 @@ void compare(const ContactCase& c, const oracle::Solution& own, ContactErrorRow&
   }
 }
 
-/// Of the energy, from its lowest so far.
+/// Returns the largest rise of the energy above its lowest value so far, J.
 double largest_rise(const bench::ContactScene& scene, const oracle::Solution& own) {
   double lowest = mechanical_energy(scene, own.states.front().front(), 0), rise = 0;
   for (std::size_t n = 1; n < own.times.size(); ++n) {
@@ -80,7 +81,7 @@ ContactErrorRow measure(const ContactCase& c, double h, bool quick) {
   return row;
 }
 
-/// By what power of the step an error falls that was another at twice the step.
+/// Returns the order: log2 of the error at twice the step over the error.
 std::optional<double> order_of(double coarser, double error) {
   if (!(coarser > 0 && error > 0)) return std::nullopt;
   return std::log2(coarser / error);

@@ -10,26 +10,29 @@ struct ContactErrorRow {
   std::string scene;
   std::string integrator;
   double h = 0;  // s
-  // Largest differences from the reference at those of its times that are multiples of 2 ms:
+  // Largest differences from the reference, at those of its times that are multiples of 2 ms:
   double position = 0;     // m
-  double penetration = 0;  // m, of the deepest sphere
+  double penetration = 0;  // depth of the deepest sphere, m
   double energy = 0;       // J
-  double rise = 0;  // J, largest rise of the energy between any two steps; bounce, where nothing may raise it
-  std::optional<double> order{};                                   // of the position, from the row at 2 h
-  std::optional<double> restitution{};                             // bounce: of the first impact
-  std::optional<double> restitution_error{}, restitution_order{};  // from the exact one; from the row at 2 h
-  std::optional<double> flight_error{};  // bounce: worst share of any flight's height and time
+  // J, largest rise of the energy between any two steps; for bounce, where energy cannot rise
+  double rise = 0;
+  // order of the position, from the row at 2 h
+  std::optional<double> order{};
+  std::optional<double> restitution{};  // bounce: at the first impact
+  // relative to the exact one; order from the row at 2 h
+  std::optional<double> restitution_error{}, restitution_order{};
+  std::optional<double> flight_error{};  // bounce: worst error of any flight's height and time, as a share
   double ns_per_step = 0;                // median
 
-  double ns_per_second() const { return ns_per_step / h; }  // of simulated time
+  double ns_per_second() const { return ns_per_step / h; }  // per simulated second
 };
 
 struct ContactErrors {
-  std::vector<ContactErrorRow> rows;            // case, integrator, step; slowest first
-  std::optional<double> restitution_reference;  // of the law, where bounce was run
+  std::vector<ContactErrorRow> rows;            // by case, integrator, step; slowest first
+  std::optional<double> restitution_reference;  // restitution of the law, if bounce was run
 };
 
-/// press at 2 to 0.125 ms, bounce at 2 to 1/32 ms, with both integrators.
+/// Runs press at 2 to 0.125 ms and bounce at 2 to 1/32 ms, with both integrators.
 ContactErrors study_contact_errors(const std::vector<ContactCase>& cases, bool quick,
                                    const Progress& progress);
 

@@ -18,7 +18,7 @@ constexpr double quick_duration = 2;  // s
   throw std::runtime_error(errors.empty() ? "the scene cannot be run" : errors.front());
 }
 
-/// What becomes of the bricks of a running scene.
+/// Evaluates the bricks of a running scene.
 class Pile {
  public:
   Pile(const SceneConfig& scene, const CycleRecord& start) : scene_(scene), ejected_(scene.bodies.size()) {
@@ -49,7 +49,7 @@ class Pile {
     return !on_board || !(body.V_WB.v.norm() <= ejected_speed);
   }
 
-  /// Kinetic and potential, of the bricks that are never held.
+  /// Returns the kinetic and potential energy of the bricks that are never held, J.
   double energy(const CycleRecord& record) const {
     double E = 0;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {

@@ -13,9 +13,9 @@
 namespace godobject::study {
 namespace {
 
-using Lines = std::array<std::pair<const char*, const char*>, 2>;  // what a line is of, and its colour
+using Lines = std::array<std::pair<const char*, const char*>, 2>;  // name of a line, and its colour
 
-/// y of the rows where `key` is the line's name, against x.
+/// Plots y against x, one line per name: the rows whose column `key` is that name.
 void plot_lines(std::ofstream& out, const std::string& file, const std::string& key, const std::string& where,
                 const std::string& x, const std::string& y, const Lines& lines, const char* style) {
   out << "plot";
@@ -63,7 +63,8 @@ void write_contact_stability_script(const std::filesystem::path& directory, cons
       << "set multiplot layout 2," << panels
       << " title 'contacts: log_{10} of the largest energy gain, J; green: 10^{-12} J or less, dark red: "
          "failed'\n";
-  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();  // of a panel: consecutive rows
+  // number of consecutive rows per panel
+  const std::size_t cells = grid.stiffnesses.size() * grid.steps.size();
   std::size_t first_row = 1;
   for (const char* integrator : {ImplicitEuler::name, TrBdf2::name})
     for (const double damping : grid.dampings) {

@@ -1,4 +1,4 @@
-// The figures of contacts, as plots.h has the others.
+// Figures of contacts, in addition to plots.h.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Scenes with contacts in the core: their types, and how what a scene touches with gets into the parameters.
+// Scenes with contacts in the core: their types, and their contact parameters.
 #pragma once
 
 #include "core/contact/bodies.h"
@@ -8,7 +8,7 @@
 
 namespace godobject::study {
 
-/// Spheres of all bodies, the plane z = 0, and where the scene has them a box on each body.
+/// Sets the spheres of all bodies, the plane z = 0 and, if the scene has them, a box on each body.
 template <Scene S>
 void set_contacts(const bench::ContactScene& scene, Params<S>& par) {
   if constexpr (uses<ContactsOf<S>>) {

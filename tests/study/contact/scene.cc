@@ -12,7 +12,7 @@ namespace {
 using oracle::Quaterniond;
 using oracle::RigidState;
 
-/// A number that moves.
+/// A value with its rate.
 struct Signal {
   double value, rate;
 };
@@ -31,7 +31,7 @@ Signal cosine(double frequency_Hz, double t) {
   return {std::cos(w * t), -w * std::sin(w * t)};
 }
 
-/// From 0 to 1 in the first second, a cubic.
+/// Smoothed step: from 0 to 1 in the first second, a cubic.
 Signal eased(double t) {
   if (t <= 0) return {0, 0};
   if (t >= 1) return {1, 0};
@@ -40,7 +40,7 @@ Signal eased(double t) {
 
 Quaterniond turn(const Vec3& axis, double angle) { return Quaterniond(Eigen::AngleAxisd(angle, axis)); }
 
-/// Moved, and turned by a yaw from an attitude.
+/// Returns a target at x, y, z, rotated by yaw from attitude q.
 RigidState target_at(const Signal& x, const Signal& y, const Signal& z, const Signal& yaw,
                      const Quaterniond& q) {
   RigidState D;
@@ -66,7 +66,7 @@ RigidState target_s4(double t) {
                    Quaterniond::Identity());
 }
 
-/// inertia: that of the damping of the turns, kg m^2.
+/// inertia: moment of inertia for the damping of rotations, kg m^2.
 oracle::Coupling coupling(double m, double inertia, double k, double k_r, RigidState (*target)(double)) {
   return {.k_t = k,
           .g_t = 1.4 * std::sqrt(m * k),
@@ -84,7 +84,8 @@ oracle::Body brick(const Vec3& half_extents, const Vec3& p) {
   return body;
 }
 
-/// Where brick b starts: of the first pile column by column; more piles stand beside it, where nothing is dragged.
+/// Returns the start of brick b: the first pile column by column. Further piles are beside it and are not
+/// dragged.
 Vec3 place_in_pile(std::size_t b) {
   constexpr std::size_t in_pile = 63;
   const std::size_t column = b % in_pile / 9, layer = b % 9 / 3, of_pile = b / in_pile;
@@ -93,7 +94,7 @@ Vec3 place_in_pile(std::size_t b) {
   return {(i - 3) * 0.036 + (l == 1 ? 0.004 : 0), (j - 1) * 0.019 + 0.15 * pile, 0.005 + 0.0102 * l};
 }
 
-/// Spheres at the corners of a brick, tangent to the faces.
+/// Returns sphere centres at the corners of a brick, tangent to its faces.
 std::vector<Vec3> at_corners(const Vec3& half_extents, double radius) {
   const Vec3 inset = half_extents - Vec3::Constant(radius);
   std::vector<Vec3> centres;

@@ -17,7 +17,7 @@ constexpr double longest_run = 0.6;  // s
 constexpr std::size_t most_steps = 2000;
 constexpr double drag_begins = 0.3;  // s
 
-/// To and fro over the plane and 1 cm in it, once it has rested a while.
+/// Returns the target: 1 cm in the plane, at rest first, then to and fro.
 oracle::RigidState dragged(double t) {
   const double u = std::max(t - drag_begins, 0.0);
   oracle::RigidState D;
@@ -66,7 +66,7 @@ struct Rod : Follower<I, 1> {
   using Contacts = FixedContacts<5, 1, 5>;
 };
 
-/// Infinite where the run failed.
+/// Returns the energy gain, J; infinite if the run failed.
 template <Scene S>
 double gain_of(const bench::ContactScene& scene, double h) {
   CaseRun<S> run(scene.problem, h);

@@ -1,4 +1,4 @@
-// Maps of bodies without contacts: spin, heavy ends, contradicted targets.
+// Maps of bodies without contacts: spin, heavy ends, contradictory targets.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A rod, nearly round, that spins about an axis near or far from its own; its spring is weak, damped or not, or there is none.
+/// Returns the energy gain of a nearly round rod that spins about an axis near or far from its own. Its
+/// spring is weak, damped or undamped, or absent.
 template <class I>
 double spin_gain(double, double rate, double ratio, unsigned seed) {
   Random random(seed);

@@ -1,4 +1,4 @@
-// The map of nets: the ordeals of tests/net, with spring, node mass and step given.
+// Map of nets: the cases of tests/net, with given spring, node mass and step.
 #include <limits>
 
 #include "tests/core/net/random_net.h"
@@ -8,7 +8,7 @@
 namespace godobject::study {
 namespace {
 
-/// The worst gain where the watch calls it one.
+/// Returns the largest gain that the watch reports.
 template <class I>
 double net_gain(double h, double k, double m, unsigned seed) {
   const auto net = std::make_unique<RandomNet<I>>(seed, -1, [&](Drawn& of) {

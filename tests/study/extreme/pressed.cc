@@ -1,4 +1,4 @@
-// The map of a tool that is pressed on the world, the main job of a haptic tool.
+// Map of a tool that is pressed on the world, the main use of a haptic tool.
 #include <algorithm>
 #include <limits>
 
@@ -9,7 +9,7 @@
 namespace godobject::study {
 namespace {
 
-/// The hand goes down to 1 mm to 1 m below the plane at 1 m/s, and rests for 3 s.
+/// Returns the final speed: the hand moves to 1 mm to 1 m below the plane at 1 m/s and rests for 3 s.
 template <class I>
 double pressed_speed(double h, double k, double k_coupling, unsigned seed) {
   constexpr Real speed = 1, lever = 0.03;  // m/s, m

@@ -11,7 +11,7 @@
 namespace godobject::study {
 namespace {
 
-/// Half a cell more on each side.
+/// Returns the axis range, extended by half a cell on each side.
 std::string range_with_rims(const Axis& axis) {
   const double first = std::log10(axis.values.front()), last = std::log10(axis.values.back()),
                half = (last - first) / (2 * (static_cast<double>(axis.values.size()) - 1));
@@ -73,7 +73,7 @@ void write_extreme_script(const std::filesystem::path& directory, const ExtremeM
       << "set multiplot layout 2," << panels << " title 'log_{10} of " << map.measure << ";  red beyond "
       << text_of(map.limit) << "'\n";
   const std::size_t cells =
-      map.rows.values.size() * map.columns.values.size();  // of a panel: consecutive rows
+      map.rows.values.size() * map.columns.values.size();  // number of consecutive rows per panel
   std::size_t first_row = 1;
   for (const std::string& integrator : integrators)
     for (const double panel : map.panels.values) {

@@ -10,7 +10,7 @@
 namespace godobject::study {
 namespace {
 
-constexpr std::size_t most_links_counted = 64;  // callgrind takes its time
+constexpr std::size_t most_links_counted = 64;  // limits the run time of callgrind
 
 JointCostRow cost_of(const FootprintRow& size, const std::string& motion, std::size_t num_bodies) {
   return {.composition = size.composition,
@@ -31,7 +31,7 @@ void count(InstructionCounter& counter, const Progress& progress, JointCostRow& 
   row.instructions_slow = counter.per_step(row.composition, row.motion + "-slow");
 }
 
-/// The compositions on the scene they are for: S3 with four bodies, or S5 with as many links as fit.
+/// Returns the compositions with their scenes: S3 with four bodies, or S5 with as many links as fit.
 std::vector<JointCostRow> compositions_of(const std::vector<FootprintRow>& sizes) {
   std::vector<JointCostRow> rows;
   for (const FootprintRow& size : sizes) {
@@ -50,7 +50,7 @@ std::vector<JointCostRow> kinds_of(const std::vector<FootprintRow>& sizes) {
   return rows;
 }
 
-/// `With` has the part, `Without` does not.
+/// Returns the bytes of a component: `With` has it, `Without` does not.
 template <class With, class Without>
 PartBytes difference(const char* part) {
   constexpr std::size_t N = With::max_bodies;

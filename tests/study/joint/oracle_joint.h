@@ -1,4 +1,4 @@
-// The joints of a case of the oracle in the core's terms.
+// Converts joints of a case of the oracle to those of the core.
 #pragma once
 
 #include "core/joint/list.h"
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// As the core names it.
+/// Returns the kind in the core.
 inline JointKind kind_of(oracle::JointType type) {
   switch (type) {
     case oracle::JointType::fixed: return JointKind::fixed;
@@ -20,8 +20,8 @@ inline JointKind kind_of(oracle::JointType type) {
   return JointKind::free;
 }
 
-/// The oracle's joint in the core's frames: z is the axis of hinge, slider and cylindrical joint; x of the parent's
-/// and y of the child's frame are those of the universal joint.
+/// Converts the oracle's joint to the core's frames: z is the axis of hinge, slider and cylindrical joint.
+/// The axes of the universal joint are x of the parent's and y of the child's frame.
 inline JointParams joint_params(const oracle::Joint& joint) {
   JointParams par;
   par.kind = kind_of(joint.type);

@@ -25,13 +25,13 @@ struct Signal {
   double value = 0, rate = 0;
 };
 
-/// offset + amplitude sin(2 pi frequency t + phase)
+/// Returns offset + amplitude sin(2 pi frequency t + phase).
 Signal sine(double t, double offset, double amplitude, double frequency_Hz, double phase) {
   const double w = 2 * std::numbers::pi * frequency_Hz;
   return {offset + amplitude * std::sin(w * t + phase), amplitude * w * std::cos(w * t + phase)};
 }
 
-/// The frame turns about one of its own axes.
+/// Rotates the frame about one of its own axes.
 RigidState turned(const RigidState& X, const Vector3d& axis, const Signal& angle) {
   RigidState Y = X;
   Y.w += X.q * (angle.rate * axis);
@@ -39,7 +39,7 @@ RigidState turned(const RigidState& X, const Vector3d& axis, const Signal& angle
   return Y;
 }
 
-/// A point fixed on the frame, or sliding on it.
+/// Moves the origin to a point fixed on the frame, or sliding on it.
 RigidState moved(const RigidState& X, const Vector3d& p_X, const Vector3d& v_X = Vector3d::Zero()) {
   RigidState Y = X;
   Y.p += X.q * p_X;
@@ -47,9 +47,9 @@ RigidState moved(const RigidState& X, const Vector3d& p_X, const Vector3d& v_X =
   return Y;
 }
 
-constexpr double hinge_z = -0.175, jaw_length = 0.01;  // m, from the tube's and the jaw's centre
+constexpr double hinge_z = -0.175, jaw_length = 0.01;  // m, from the centres of tube and jaw
 
-/// A body of the device of S3: trocar, tube, jaws.
+/// Returns the target of a body of the device of S3: trocar, tube, jaws.
 RigidState s3_device(std::size_t body, double t, double amplitude) {
   const Vector3d X = Vector3d::UnitX(), Y = Vector3d::UnitY(), Z = Vector3d::UnitZ();
   const auto sine_of = [&](double size, double frequency_Hz, double phase) {
@@ -68,7 +68,7 @@ RigidState s3_device(std::size_t body, double t, double amplitude) {
   return moved(turned(moved(tube, hinge_z * Z), X, opening), -jaw_length * Z);
 }
 
-/// Motion at another rate.
+/// Returns the motion at another rate.
 template <class F>
 std::shared_ptr<const oracle::Target> target_of(F state_at, double rate) {
   return std::make_shared<oracle::FunctionTarget>([state_at, rate](double t) {
@@ -79,7 +79,7 @@ std::shared_ptr<const oracle::Target> target_of(F state_at, double rate) {
   });
 }
 
-/// That of S1, about the origin.
+/// Returns the target of S1, about the origin.
 auto s1_device(double amplitude) {
   return [amplitude](double t) {
     RigidState D = oracle::scene_s1_target(t);
@@ -89,7 +89,8 @@ auto s1_device(double amplitude) {
   };
 }
 
-/// A body on the device, coupled with damping ratio 1.4, that of the rotation with the largest moment of inertia.
+/// Makes a body at the device, coupled with damping ratio 1.4, for rotation with the largest moment of
+/// inertia.
 Body coupled_body(const char* name, double m, const Vector3d& moments, double k, double k_r,
                   std::shared_ptr<const oracle::Target> target) {
   Body body;
@@ -192,7 +193,7 @@ Case scene_pair(JointType type, Motion motion) {
   Case scene;
   scene.bodies = {coupled_body("first", 0.1, moments, 1000, 1, target_of(first, motion.rate)),
                   coupled_body("second", 0.1, moments, 1000, 1, target_of(second, motion.rate))};
-  // The joint starts shut, and at coordinate zero.
+  // the joint starts without violation, at coordinate zero
   scene.bodies[1].start = moved(scene.bodies[0].start, 2 * on_first);
   scene.joints = {joint("joint", type, 0, 1, on_first, -on_first)};
   if (type == JointType::universal) {

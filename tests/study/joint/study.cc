@@ -14,7 +14,7 @@
 namespace godobject::study {
 namespace {
 
-constexpr double first_stiffness = 1000;  // N/m, of scene_s3()
+constexpr double first_stiffness = 1000;  // N/m, that of scene_s3()
 constexpr std::size_t map_steps = 1000;
 
 /// Calls f with the scene type and the name of every scheme.
@@ -28,7 +28,7 @@ void for_each_scheme(F f) {
   f.template operator()<ToolHeldBy<TrBdf2, 4, AtPrediction>>("tr-bdf2 at-prediction");
 }
 
-/// Kinetic energy of the bodies on their targets, the largest of a second.
+/// Returns the largest kinetic energy of the bodies at their targets within one second, J.
 double device_energy(const oracle::Case& problem) {
   double largest = 0;
   for (int n = 0; n <= 1000; ++n) {
@@ -43,14 +43,14 @@ double device_energy(const oracle::Case& problem) {
   return largest;
 }
 
-/// Numbers that are not finite fail, too.
+/// True for a fault, excessive drift or energy, or values that are not finite.
 template <Scene S>
 bool has_failed(CaseRun<S>& run, const Drift& drift, double E_device) {
   return any(run.output().fault) || !(drift.m <= max_apart) || !(drift.rad <= max_apart_angle) ||
          !(run.kinetic() <= max_energy_ratio_of_device * E_device);
 }
 
-/// Steps until the end or a failure; each(n) after step n.
+/// Steps until the end or a failure. each(n): called after step n.
 template <Scene S, class F>
 void run_steps(CaseRun<S>& run, const std::vector<Input<S>>& inputs, double E_device, JointRun& row, F each) {
   for (const Input<S>& in : inputs) {

@@ -1,4 +1,4 @@
-// Tools of bodies on joints: their scene, how far their joints are apart, their energy.
+// Tools of bodies on joints: scene, joint violations, energy.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +18,14 @@ struct Articulated {
   using Feedback = None;
 };
 
-/// The joint of body i where its bodies stand.
+/// Returns the joint of body i at the present poses.
 template <Scene S>
 JointAt joint_of(const Params<S>& par, const State<S>& x, std::size_t i) {
   const JointParams& joint = par.bodies[i].joint;
   return joint_at(joint, place_of(par, x, joint.parent), place_of(par, x, i));
 }
 
-/// What a joint is violated by, m and rad.
+/// Violation of a joint, m and rad.
 struct Drift {
   double m = 0, rad = 0;
 };
@@ -33,7 +33,7 @@ inline Drift worst(const Drift& a, const Drift& b) {
   return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
 }
 
-/// Violation of the joint of body i: e_w and e_v of its motion.
+/// Returns the violation of the joint of body i: e_w and e_v of its motion.
 template <Scene S>
 Twist violation(const Params<S>& par, const State<S>& x, std::size_t i) {
   Twist e;
@@ -44,7 +44,7 @@ Twist violation(const Params<S>& par, const State<S>& x, std::size_t i) {
   return e;
 }
 
-/// Worst violation of all joints.
+/// Returns the largest violation of all joints.
 template <Scene S>
 Drift drift(const Params<S>& par, const State<S>& x) {
   Drift all;
@@ -55,7 +55,7 @@ Drift drift(const Params<S>& par, const State<S>& x) {
   return all;
 }
 
-/// Kinetic, coupling and gravity's.
+/// Returns the energy: kinetic, coupling and gravity, J.
 template <Scene S>
 Real energy(const Params<S>& par, const State<S>& x) {
   Real sum = 0;
@@ -74,7 +74,7 @@ Real kinetic_energy(const Params<S>& par, const State<S>& x) {
   return sum;
 }
 
-/// Damping ratios as in (2): zeta = g / sqrt(m k), g_r / sqrt(I_max k_r).
+/// Returns gains for a damping ratio, as in (2): zeta = g / sqrt(m k), g_r / sqrt(I_max k_r).
 inline SpringParams spring(const RigidBodyParams& body, Real k, Real k_r, Real zeta = 1.4) {
   const Real I_max = principal_moments(body.I_B).z();
   return {.k = k, .g = zeta * std::sqrt(body.m * k), .k_r = k_r, .g_r = zeta * std::sqrt(I_max * k_r)};

@@ -1,17 +1,17 @@
-// Nets: error against run time, and what a node costs.
+// Nets: error against run time, and cost per node.
 #pragma once
 
 #include "tests/study/footprint_study.h"
 
 namespace godobject::study {
 
-/// The small net of tests/net (25 nodes on a body that is swayed for 0.128 s) at one step.
+/// The small net of tests/net (25 nodes on a body that oscillates for 0.128 s) at one step.
 struct NetErrorRow {
   std::string scene;  // "free", "pressed" on a plane
   std::string integrator;
   double h = 0;                 // s
-  double position = 0;          // m, of the farthest node or the body at the end
-  double share = 0;             // of the net's deformation
+  double position = 0;          // m, largest error of a node or the body at the end
+  double share = 0;             // share of the net's deformation
   std::optional<double> order;  // log2 of the error at 2 h over the error at h
   double ns_per_step = 0;
 };
@@ -22,7 +22,7 @@ struct NetCostRow {
   std::size_t nodes = 0;
   double ns_per_step = 0, ns_p99 = 0;   // median, and 99th percentile
   double iterations = 0, contacts = 0;  // means
-  std::optional<double> instructions;   // of a step with 1024 nodes
+  std::optional<double> instructions;   // per step with 1024 nodes
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
 };
 

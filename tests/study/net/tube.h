@@ -1,5 +1,6 @@
-// S6: a tube of springs on a coupled body that is pressed on a bar and drawn off again, of any number of nodes. More nodes are
-// a larger tube of the same stuff, or, closer to each other, a finer one: mass and anchors are per area, springs as stiff.
+// S6: a tube of springs on a coupled body, pressed on a bar and withdrawn, with any number of nodes. More
+// nodes form a larger tube of the same material or, with less spacing, a finer one: mass and anchors are per
+// area, spring stiffness is constant.
 #pragma once
 
 #include <cmath>
@@ -10,7 +11,7 @@
 
 namespace godobject::study {
 
-/// What running a scene with a net needs, on the heap: a large net is megabytes.
+/// Data for running a scene with a net, on the heap because a large net has megabytes.
 template <Scene S>
 struct NetRunning {
   std::unique_ptr<Params<S>> par = std::make_unique<Params<S>>();
@@ -19,7 +20,7 @@ struct NetRunning {
   std::unique_ptr<Input<S>> in = std::make_unique<Input<S>>();
   std::unique_ptr<Output<S>> out = std::make_unique<Output<S>>();
 
-  /// Body 0 is held there, and nets are on their anchors.
+  /// Places body 0 at the target, and nets at their anchors.
   void hold_at(const Target& D) {
     *x = {};
     place(*x, 0, {.X_WB = D.X_WD, .V_WB = {}});
@@ -34,12 +35,12 @@ struct NetRunning {
   void step() { godobject::step(*par, *in, *x, *w, *out); }
 };
 
-/// Tubes of `round` rings of `round` nodes, `spacing` apart.
+/// Tubes of `round` rings of `round` nodes. spacing: distance of neighbours, m.
 template <Scene S>
 class TubeRun {
  public:
   static constexpr double h = 1e-3, period = 1.5;  // s
-  /// While it is pressed it is in contact; by symmetry from half a period less 500 steps to half a period more.
+  /// Steps in contact: by symmetry from half a period less 500 steps to half a period more.
   static constexpr std::size_t first_pressed = 300, num_pressed = 900;
 
   static constexpr double usual_spacing = 0.0029;  // m
@@ -70,25 +71,25 @@ class TubeRun {
     tick_ = 0;
     run_.hold_at(target(0));
   }
-  /// What the next step is told.
+  /// Sets the input of the next step.
   void lead() { run_.lead(target(static_cast<Real>(++tick_) * h)); }
   void step() {
     lead();
     run_.step();
   }
-  /// To where it is pressed.
+  /// Advances to the contact.
   void press() {
     restart();
     for (std::size_t n = 0; n < first_pressed; ++n) step();
   }
 
  private:
-  static constexpr Real stiffness = 200, bar = 0.01;  // N/m, of a spring; m
+  static constexpr Real stiffness = 200, bar = 0.01;  // stiffness of a spring, N/m; half size of the bar, m
 
   Real radius() const { return round_ * a_ / (2 * pi); }
-  Real mass() const { return 2.32 * a_ * a_; }      // kg, of a node
+  Real mass() const { return 2.32 * a_ * a_; }      // per node, kg
   Real anchor() const { return 2.38e6 * a_ * a_; }  // N/m
-  /// 24 mm towards the bar and back.
+  /// Returns the target: 24 mm towards the bar and back.
   static Target target(Real t) {
     const Real omega = 2 * pi / period;
     return {.X_WD = {.p = Vec3(0.012 * (1 - std::cos(omega * t)), 0, 0)},

@@ -1,10 +1,10 @@
-// Those of tests/study/CMakeLists.txt.
+// Compositions of tests/study/CMakeLists.txt.
 #include "tests/study/probe/probe.h"
 
 namespace godobject::study {
 namespace {
 
-/// With both integrators.
+/// Adds a scene type with both integrators.
 template <template <class, std::size_t> class SceneOf, std::size_t... capacities>
 void add(std::vector<Probe>& probes, const std::string& scene) {
   (probes.push_back(probe<SceneOf<ImplicitEuler, capacities>>(scene)), ...);

@@ -1,1 +1,1 @@
-// Nothing but the headers that all probes share, precompiled: CMake wants a source to hang them on.
+// Empty source for the precompiled headers of all probes, because CMake requires a source.

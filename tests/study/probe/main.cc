@@ -1,9 +1,10 @@
-// godobject_probe, godobject_quick_probe: runs the step of one composition a given number of times under callgrind.
+// godobject_probe, godobject_quick_probe: runs steps of one composition under callgrind.
 //   godobject_probe COMPOSITION STEPS MOTION     runs, e.g. godobject_probe "haptic-1 tr-bdf2" 500 s1
 //   godobject_probe                              lists name,params,state,scratch (bytes) of every composition
-// Motions: s1, s1-full (as many bodies as fit), s3, s5 (likewise), pair-<kind of joint>, pair-free; each also as <motion>-slow,
-// a smaller and slower one on which a step has as many instructions, if they do not depend on the data. With contacts: s2,
-// s2-smooth (without friction) and s4, run until they are in full contact before the steps that were asked for; with a net: s6.
+// Motions: s1, s1-full (as many bodies as fit), s3, s5 (as many links as fit), pair-<kind of joint>,
+// pair-free. Each also exists as <motion>-slow, smaller and slower, with the same number of instructions if
+// they do not depend on the data. With contacts: s2, s2-smooth (without friction) and s4, run to full contact
+// before the requested steps; with a net: s6.
 #include <cstdlib>
 #include <iostream>
 #include <optional>
@@ -26,7 +27,7 @@ std::optional<oracle::JointType> joint_type(const std::string& kind) {
   return std::nullopt;
 }
 
-/// Empty for a motion that does not exist.
+/// Returns the case of a motion; empty for an unknown motion.
 oracle::Case case_of(std::string motion, std::size_t max_bodies) {
   Motion size;
   if (motion.ends_with("-slow")) {
@@ -49,7 +50,7 @@ oracle::Case case_of(std::string motion, std::size_t max_bodies) {
   return motion == "pair-free" ? apart : oracle::Case{};
 }
 
-constexpr double pressing_stiffness = 1e4;  // N/m, of S2
+constexpr double pressing_stiffness = 1e4;  // N/m, for S2
 
 }  // namespace
 

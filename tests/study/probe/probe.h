@@ -1,4 +1,4 @@
-// What a probe program can run: compositions, each compiled in an object file of its own, on motions.
+// Interface of a probe program: compositions, each compiled in its own object file, run on motions.
 #pragma once
 
 #include <memory>
@@ -18,18 +18,18 @@ struct Probe {
   bool (*run)(const std::string& motion, std::size_t steps);  // null: only its size is known
 };
 
-/// The compositions of the program this is linked into: every_composition.cc or quick_compositions.cc.
+/// Returns the compositions of the linked program: every_composition.cc or quick_compositions.cc.
 std::vector<Probe> probes();
 
 struct ProbeScene {
   bench::ContactScene scene;
-  std::size_t steps_before = 0;  // steps until what is to be counted begins
+  std::size_t steps_before = 0;  // steps before counting begins
 };
 
-/// A motion for so many bodies; without bodies where there is none of that name.
+/// Returns a motion for max_bodies bodies; without bodies for an unknown name.
 ProbeScene scene_of(const std::string& motion, std::size_t max_bodies);
 
-/// A scene type with all parts the case has.
+/// True if the scene type has all components of the case.
 template <Scene S>
 bool holds(const oracle::Case& problem) {
   if (problem.bodies.empty() || problem.bodies.size() > S::max_bodies) return false;
@@ -37,7 +37,7 @@ bool holds(const oracle::Case& problem) {
   return !uses<typename S::Device> || problem.bodies[0].coupling.has_value();
 }
 
-/// The tube of all nodes that fit, on its way to the bar and back.
+/// Runs the tube of all nodes that fit, towards the bar and back.
 template <Scene S>
 bool run_net(const std::string& motion, std::size_t steps) {
   if (motion != "s6") return false;
@@ -67,7 +67,7 @@ bool run(const std::string& motion, std::size_t steps) {
   return !any(fault);
 }
 
-/// Its data alone.
+/// Returns a probe with its sizes only.
 template <Scene S>
 Probe size_of(const std::string& scene) {
   return {.name = scene + "-" + std::to_string(capacity_of<S>()) + " " + S::Integrator::name,

@@ -1,4 +1,4 @@
-// Compiled once per composition, with its three choices defined by tests/study/CMakeLists.txt.
+// Compiled once per composition; tests/study/CMakeLists.txt defines its three choices.
 #include "tests/study/probe/probe_step.h"
 
 #include "tests/study/compositions.h"

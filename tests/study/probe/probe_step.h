@@ -1,4 +1,4 @@
-// The step of one composition in an object file of its own, for size and callgrind to look at.
+// Step of one composition in its own object file, for measurement by size and callgrind.
 #pragma once
 
 #include "core/scene.h"

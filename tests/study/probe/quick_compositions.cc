@@ -1,4 +1,4 @@
-// Those a quick study and the tests rest on: quick_probes of tests/study/CMakeLists.txt.
+// Compositions of a quick study and of the tests: quick_probes of tests/study/CMakeLists.txt.
 #include "tests/study/probe/probe.h"
 
 namespace godobject::study {

@@ -23,7 +23,7 @@ void write_restitution(std::ostream& out, const ContactErrors& errors) {
       << number(second->restitution, 4) << ".\n\n";
 }
 
-/// From the longest step of a case and integrator to the shortest.
+/// Writes the orders per case and integrator, from the longest to the shortest step.
 void write_orders(std::ostream& out, const std::vector<ContactErrorRow>& rows) {
   for (auto first = rows.begin(); first != rows.end();) {
     const auto next = std::find_if(first, rows.end(), [&](const ContactErrorRow& r) {
@@ -115,7 +115,7 @@ std::string more(const std::optional<double>& with, const std::optional<double>&
   return with && without ? std::to_string(std::lround(*with - *without)) : "not available";
 }
 
-/// What friction adds to a step of S2 with each integrator.
+/// Writes the instructions added by friction to a step of S2, for each integrator.
 void write_friction(std::ostream& out, const std::vector<ContactCostRow>& rows) {
   for (const std::string integrator : {ImplicitEuler::name, TrBdf2::name}) {
     const ContactCostRow *const none = find_cost(rows, "pressed-1 " + integrator, "s2"),

@@ -1,4 +1,4 @@
-// The maps of extremes and the nets in the report.
+// Report sections of the extreme maps and the nets.
 #include <algorithm>
 #include <cmath>
 

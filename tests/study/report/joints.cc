@@ -8,7 +8,7 @@
 namespace godobject::study {
 namespace {
 
-/// Of the tools: error and drift against run time, at every step.
+/// Writes error and drift against run time of the tools, at every step.
 void write_articulated_errors(std::ostream& out, const std::vector<ErrorRow>& rows) {
   out << "S3 is a grasper of four bodies on four joints, S5 five equal links on ball joints; chain-5, five "
          "links with an end "
@@ -33,7 +33,7 @@ std::string drift_text(const JointRun& r) {
   return number(r.drift.m, 2) + " | " + number(r.drift.rad, 2) + " |";
 }
 
-/// The grasper's joints, a line for each scheme and step.
+/// Writes the drift of the grasper's joints, one line per scheme and step.
 void write_drift(std::ostream& out, const std::vector<JointRun>& rows) {
   out << "What holds the joints, on S3 over 2 s:\n\n"
          "| scheme | step, ms | drift, m | drift, rad | position error, m |\n|---|---|---|---|---|\n";
@@ -85,7 +85,7 @@ std::string counts(const JointCostRow* row) {
   return whole(row->instructions) + " | " + whole(row->instructions_slow);
 }
 
-/// What a kind adds to two bodies that have none.
+/// Returns the instructions that a kind of joint adds to two bodies without one.
 std::string added(const JointCostRow* row, const JointCostRow* none) {
   if (row == nullptr || none == nullptr || !row->instructions || !none->instructions) return "not available";
   return std::to_string(std::lround(*row->instructions - *none->instructions));

@@ -1,11 +1,11 @@
-// The report: what was asked, the result, how it was found. Every number in it comes from the results.
+// Report: question, result, method. Every number comes from the results.
 #pragma once
 
 #include "tests/study/study.h"
 
 namespace godobject::study {
 
-/// Writes options.report and copies the figures to the folder figures/ beside it. The results have all parts.
+/// Writes options.report and copies the figures to figures/ beside it. The results must have all parts.
 void write_report(const StudyOptions& options, const StudyResults& results);
 
 }  // namespace godobject::study

@@ -29,7 +29,7 @@ std::vector<std::string> scenes_of(const std::vector<ErrorRow>& rows) {
   return scenes;
 }
 
-/// The step sizes of the results, slowest first.
+/// Returns the step sizes of the results, slowest first.
 std::vector<double> steps_of(const std::vector<ErrorRow>& rows) {
   std::vector<double> steps;
   for (const ErrorRow& r : rows)
@@ -37,7 +37,8 @@ std::vector<double> steps_of(const std::vector<ErrorRow>& rows) {
   return steps;
 }
 
-/// A free body's position is exact with every integrator: its attitude counts alone.
+/// True if a is at least as accurate as b. A free body's position is exact with every integrator, so only its
+/// attitude counts.
 bool at_least_as_accurate(const ErrorRow& a, const ErrorRow& b) {
   return a.errors.rotation <= b.errors.rotation &&
          (a.errors.energy || a.errors.position <= b.errors.position);
@@ -48,7 +49,7 @@ std::string error_text(const ErrorRow& r) {
   return r.errors.energy ? rotation : number(r.errors.position, 2) + " m and " + rotation;
 }
 
-/// The longest step at which the second-order integrator matches the first-order one at its shortest.
+/// Writes the longest step at which the second-order integrator matches the first-order one at its shortest.
 void write_exchange(std::ostream& out, const std::vector<ErrorRow>& rows, const std::string& scene) {
   const ErrorRow* const fine = find_row(rows, scene, ImplicitEuler::name, steps_of(rows).back());
   for (const double h : steps_of(rows)) {
@@ -64,7 +65,7 @@ void write_exchange(std::ostream& out, const std::vector<ErrorRow>& rows, const 
       << " at its shortest step.\n";
 }
 
-/// Of the last halving of the step.
+/// Returns the order at the last halving of the step.
 std::string last_order(const std::vector<ErrorRow>& rows, const ErrorRow& r,
                        std::optional<double> ErrorRow::*order) {
   const ErrorRow* const last = find_row(rows, r.scene, r.integrator, steps_of(rows).back());
@@ -138,7 +139,7 @@ std::size_t count(const std::vector<StabilityResult>& results, const std::string
       [&](const StabilityResult& r) { return r.scheme == scheme && r.stability == stability; }));
 }
 
-/// In which cells a scheme gains energy, and how much.
+/// Writes the number of cells in which a scheme gains energy, and the largest gain.
 void write_gains(std::ostream& out, const std::vector<StabilityResult>& results, const std::string& scheme) {
   const std::size_t gaining = count(results, scheme, Stability::energy_gaining);
   double rise = 0, max_damping = 0;
@@ -201,7 +202,7 @@ double data_bytes(const FootprintRow& r) {
   return static_cast<double>(r.params_bytes + r.state_bytes + r.scratch_bytes);
 }
 
-/// What each part adds: pairs of compositions that differ by it.
+/// Writes the cost of each component: differences of pairs of compositions.
 void write_parts(std::ostream& out, const std::vector<FootprintRow>& rows) {
   struct Part {
     const char *name, *without, *with;

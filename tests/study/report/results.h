@@ -1,4 +1,4 @@
-// The results chapter of the report: one section per part.
+// Results chapter of the report: one section per part.
 #pragma once
 
 #include <ostream>
@@ -8,7 +8,7 @@
 namespace godobject::study {
 
 void write_error(std::ostream& out, const std::vector<ErrorRow>& rows);
-/// The exchange of write_error() on scenes drawn at random.
+/// Writes the comparison of write_error() on random scenes.
 void write_random(std::ostream& out, const std::vector<RandomRow>& rows);
 void write_extremes(std::ostream& out, const std::vector<ExtremeMap>& maps);
 void write_nets(std::ostream& out, const NetResults& nets);

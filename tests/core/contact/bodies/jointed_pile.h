@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-using AllJoints = TreeJoints<JointStops, ImposedJoints>;
+using AllJoints = TreeJoints<JointStops, PrescribedJoints>;
 template <class I>
 struct Jointed {
   static constexpr std::size_t max_bodies = 8;

@@ -190,7 +190,7 @@ TYPED_TEST(TouchingJointsOf, ImposedJawsCloseOnABrick) {
   const auto grip = std::make_unique<Gripper>();
   for (const std::size_t jaw : {1, 2}) {
     grip->par.bodies[jaw].coupling = {};
-    grip->par.bodies[jaw].joint.lead.imposed = true;
+    grip->par.bodies[jaw].joint.motion.prescribed = true;
   }
   constexpr Real closed = 2e-3;
   for (int n = 0; n < 500; ++n) {
