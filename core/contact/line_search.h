@@ -9,6 +9,7 @@
 // itself, whatever modes were assumed.
 #pragma once
 
+#include "core/contact/pass_on.h"
 #include "core/contact/unbalanced.h"
 #include "core/tuning.h"
 

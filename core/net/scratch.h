@@ -60,6 +60,7 @@ struct FloatingStage {
   bool floats = false;  // no anchor pulls, and some damper acts
   RigidFit dampers, masses;
   bool flies = false;        // nothing touches it
+  bool is_free = false;      // it lies in the world, and no anchor pulls
   SpatialVector delta, c_1;  // (45), about the centre of masses
 };
 
@@ -119,7 +120,9 @@ struct NetStage {
   using OfBodies = std::array<SpatialVector, N>;
   OfBodies delta, c_1;    // (45)
   OfBodies on_carriers;   // impulses of anchors on bodies, at the end
+  OfBodies passed_on;     // impulses on bodies by what a residual adds to contacts of their nodes and to attachments
   bool is_solved = true;  // false: the iteration was stopped at its most
+  bool is_balanced = true;  // (45) holds for the velocities
   NetReport report;
 
   std::span<const NodeGroup> groups() const noexcept { return {par->groups.data(), par->num_groups}; }

@@ -67,10 +67,21 @@ bool floats(const NetParams& par, const FloatingNet& row) noexcept {
   return damps;
 }
 
+/// True if the row lies in the world, and no anchor of it pulls.
+template <class NetParams>
+bool is_free(const NetParams& par, const FloatingNet& row) noexcept {
+  for (std::uint32_t n = row.first; n < row.end; ++n)
+    if (par.nodes[n].body != world || par.nodes[n].k > 0) return false;
+  return true;
+}
+
 /// Dampers of floating nets, after begin_anchors() which takes them for anchors.
 template <class Net, std::size_t N>
 void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
-  for (std::size_t k = 0; k < par.num_floating; ++k) w.floating[k].floats = floats(par, par.floating[k]);
+  for (std::size_t k = 0; k < par.num_floating; ++k) {
+    w.floating[k].floats = floats(par, par.floating[k]);
+    w.floating[k].is_free = is_free(par, par.floating[k]);
+  }
   each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
       w.settling[n] = h * par.nodes[n].g;
