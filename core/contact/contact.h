@@ -6,7 +6,7 @@
 //   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
 //
 // The room: memory.h is what a contact carries over, find/ the search, candidates.h what it lists, stage.h four contacts in
-// a stage, pairs.h, islands.h and jointed_bodies.h who touches whom, line_search.h and unbalanced.h Newton's method,
+// a stage, pairs.h, islands.h and jointed_bodies.h who touches whom, line_search.h and unbalanced.h Newton's method, pass_on.h its residual as forces,
 // bodies.h all of a step. What contacts couple is solved in core/system.
 #pragma once
 

@@ -319,6 +319,7 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     if (edge.on_body()) F[edge.parent] = F[edge.parent] + moved_wrench(F[i], all.p[i] - all.p[edge.parent]);
   }
   if (!w.is_unbalanced) return;
+  // a free tool has no joint that could bear the rest: torques, and forces of tools that touch nothing
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     if (!all.joined[i] || all.edges[i].kind != JointKind::free) continue;
     w.wrenches[i].tau += F[i].w.vec() * (1 / h);

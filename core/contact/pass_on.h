@@ -1,7 +1,7 @@
-// Forces that move bodies and nets beyond those of the laws of their contacts, added to the forces of contacts.
+// Forces that move bodies and nets beyond those of their contacts by (22) and (23), as forces of these contacts.
 //
-// An iteration that ends with a residual has moved bodies and nodes by it. The residual is shown where it can act: by
-// contacts that make a tree of bodies and nets, each of which passes on to the next one the force that it has added.
+// An iteration that ends with a residual moves bodies and nodes by this residual. Contacts can bear it: they make a
+// tree of bodies and nets, from whose leaves each end adds its force to one contact and passes it on to the next end.
 #pragma once
 
 #include "core/contact/pairs.h"
@@ -17,25 +17,26 @@ struct Link {
   std::uint32_t k = 0;  // number of the near contact
 };
 
-/// Ends of links.
+/// Number of ends that links may have.
 template <class Contacts, std::size_t N>
 constexpr std::size_t max_ends() noexcept {
   if constexpr (Contacts::has_net) return N + Contacts::Net::max_nodes / 2 + 1;
   else return N;
 }
 
-/// Returns the end that a node belongs to: its carrier, or the net of the world that floats. Anchors hold the others.
+/// Returns the end that a node belongs to: its carrier, or the net of the world that floats. Other nodes are held by
+/// anchors, as by the world.
 template <class Contacts, std::size_t N>
 std::uint32_t end_of_node(std::uint32_t node, const BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& par = *w.net.par;
   if (par.nodes[node].body != world) return static_cast<std::uint32_t>(par.nodes[node].body);
-  for (std::size_t k = 0; k < par.num_floating; ++k)
-    if (par.floating[k].holds(node))
-      return w.net.floating[k].is_free ? static_cast<std::uint32_t>(N + k) : Link::on_world;
+  for (std::size_t k = 0; k < par.num_rows; ++k)
+    if (par.rows[k].holds(node))
+      return w.net.rows[k].is_free ? static_cast<std::uint32_t>(N + k) : Link::on_world;
   return Link::on_world;
 }
 
-/// f(link) of all near contacts and attachments. a is no world.
+/// Calls f(link) for all near contacts and attachments. Their ends a are not the world.
 template <class Contacts, std::size_t N, class F>
 void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
   for (std::uint32_t k = 0; k < w.near.size; ++k) {
@@ -56,8 +57,8 @@ void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
   }
 }
 
-/// Adds the force F_W on `end` to the contact of a link that bears most of those with the same ends. of: the near
-/// contacts; forces: of these; are_alike(a, b) of two numbers of near contacts.
+/// Adds F_W to the near contact with the largest force of those that are alike contact k, and returns this contact.
+/// of: the near contacts. forces: of these. are_alike(a, b): true if two near contacts have the same ends.
 template <class Near, class Forces, class AreAlike>
 const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& of, Forces& forces,
                                   AreAlike are_alike) noexcept {
@@ -82,8 +83,8 @@ const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& 
   return one;
 }
 
-/// Forces that bodies, and nets of the world that float, move by beyond those of their contacts. given: those that
-/// contacts and attachments have got in their place; by_net: the part of it that nodes and attachments have got.
+/// Forces on ends, N. F_W: by which they move beyond those of their contacts. given: added to their contacts and
+/// attachments so far. by_net: the share of `given` on their nodes and by attachments.
 template <class Contacts, std::size_t N>
 struct Missing {
   static constexpr std::size_t max = max_ends<Contacts, N>();
@@ -94,7 +95,7 @@ struct Missing {
   }
 };
 
-/// True if the end i has a link by its nodes or by attachments: such forces are not in its wrench.
+/// True if the link acts on the end i by its nodes or by an attachment: its wrench has no such forces.
 template <class Contacts, std::size_t N>
 bool is_by_net(const Link& link, std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
   if constexpr (Contacts::has_net)
@@ -128,9 +129,8 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
   }
 }
 
-/// Adds to each body and net the force that it misses, by links that make a tree of an island: each passes on to the
-/// next one the force that it has added. The last one is a body or net that touches the world, which takes the rest, or
-/// one that is joined, if there is any.
+/// Adds to each end the force that it misses, along a tree of links, and passes it on to the next end. Roots are ends that touch
+/// the world, which bears the rest; otherwise those that are joined; otherwise any.
 template <class Contacts, std::size_t N>
 void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr std::size_t max = Missing<Contacts, N>::max;
@@ -139,7 +139,7 @@ void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) 
   std::array<bool, max> has_link, is_reached{};
   std::uint32_t num_ends = N;
   if constexpr (Contacts::has_net)
-    if (w.net.num_nodes > 0) num_ends += static_cast<std::uint32_t>(w.net.par->num_floating);
+    if (w.net.num_nodes > 0) num_ends += static_cast<std::uint32_t>(w.net.par->num_rows);
   const auto joined = [&](std::uint32_t i) noexcept { return i < N && is_joined(i, w); };
   for (const int rank : {0, 1, 2})
     for (std::uint32_t root = 0; root < num_ends; ++root) {

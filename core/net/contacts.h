@@ -273,8 +273,8 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   if (net.num_nodes > 0) report_unbalanced_net(h, w);
 }
 
-/// Adds what moves bodies and floating nets beyond the forces of the law to those of contacts, where an iteration ended with a
-/// residual. Joints bear that of their bodies.
+/// Adds the residual of an iteration, as a force, to the contacts of the bodies and floating nets that it has moved. Joints bear
+/// that of their bodies.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
@@ -288,10 +288,10 @@ template <class Contacts, std::size_t N>
       missing.F_W[i] = w.x.r[i].v.vec() * (-1 / h);
     });
   }
-  for (std::size_t k = 0; k < net.par->num_floating; ++k) {
-    if (!net.floating[k].is_free || net.floating[k].flies) continue;
+  for (std::size_t k = 0; k < net.par->num_rows; ++k) {
+    if (!net.rows[k].is_free || net.rows[k].flies) continue;
     is_missing = true;
-    for (std::uint32_t n = net.par->floating[k].first; n < net.par->floating[k].end; ++n)
+    for (std::uint32_t n = net.par->rows[k].first; n < net.par->rows[k].end; ++n)
       missing.F_W[N + k] -= w.x.r.nodes[n].vec() * (1 / h);
   }
   if (!is_missing) return;

@@ -50,7 +50,7 @@ struct Alone {
 
 /// The nodes of a net that flies without a carrier.
 struct WithoutCarrier {
-  const FloatingNet& nodes;
+  const NodeRow& nodes;
 
   template <class F>
   void each_body(F) const noexcept {}
@@ -179,7 +179,7 @@ void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyer
 template <Scene S>
 void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;
-  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (of.flies) give_back_turn(par, x, WithoutCarrier{nodes}, w);
   });
   if (net.attached().empty()) {
