@@ -52,7 +52,7 @@ class EnergyBalance {
       U += now.energy;
       last_[i] = now;
       if constexpr (uses<typename S::Device>) {
-        const Wrench& F_WB = w.pulls[i].F_WB;
+        const Wrench& F_WB = w.coupling_inputs[i].F_WB;
         const Real power = F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)),
                    before = std::exchange(hand_[i], power);
         // implicit Euler moves by the force at the end, TR-BDF2 by those of the whole step
@@ -166,7 +166,7 @@ class EnergyBalance {
       };
       Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
       W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
-      if (w.pulls[i].fresh || !(now.s > 0)) return W;
+      if (w.coupling_inputs[i].fresh || !(now.s > 0)) return W;
       // or both together, by the mean of the forces
       const Wrench &F = now.F_WB, &F_0 = last.F_WB;
       const Real share = last.s / now.s;

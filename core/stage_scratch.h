@@ -122,12 +122,13 @@ struct NetMotions {
 template <class S>
 struct Scratch {
   using T = Lanes<S>;
-  std::array<typename PullOf<typename S::Device>::type, S::max_bodies> pulls;  // from the devices
-  std::array<Next<S>, max_groups<S>> next;                                     // committed if finite
-  std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
-  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
-  std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // solution of the stage
-  [[no_unique_address]] JointScratchOf<S> tree;                                // the bodies with their joints
+  std::array<typename CouplingInputOf<typename S::Device>::type, S::max_bodies>
+      coupling_inputs;                                       // from the devices
+  std::array<Next<S>, max_groups<S>> next;                   // committed if finite
+  std::array<TargetOf<T>, max_groups<S>> inside;             // targets inside the step
+  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;      // where the stage starts
+  std::array<StageVelocityOf<T>, max_groups<S>> velocities;  // solution of the stage
+  [[no_unique_address]] JointScratchOf<S> tree;              // the bodies with their joints
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
       wanted;  // to be shown on the links of the device, before limits

@@ -126,10 +126,10 @@ Flight flight_of(const Params<S>& par, const FlyingGroup& flying, BodyOf body_of
 template <Scene S>
 bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size_t i) noexcept {
   if constexpr (uses<typename S::Coupling>) {
-    if (w.pulls[i].ramp.s > 0 && pulls(par.bodies[i].coupling)) return false;
+    if (w.coupling_inputs[i].ramp.s > 0 && pulls(par.bodies[i].coupling)) return false;
   }
   if constexpr (uses<typename S::Device>) {
-    const Wrench& F = w.pulls[i].F_WB;
+    const Wrench& F = w.coupling_inputs[i].F_WB;
     if (F.f.squaredNorm() + F.tau.squaredNorm() > 0) return false;
   }
   const auto& contacts = w.contacts;
