@@ -60,7 +60,7 @@ class EnergyBalance {
       }
       if constexpr (prescribes<S>) W += joint_work(par, x, i);
     }
-    Real may_give = 0;  // that is not known of this step, at most
+    Real may_give = 0;  // bound of work that is unknown in this step, J
     if constexpr (uses<ContactsOf<S>>) {
       const Springs springs = contact_springs(par, x, w);
       U += springs.energy;
@@ -75,8 +75,7 @@ class EnergyBalance {
     const Real by_gravity = gravity - gravity_;
     gravity_ = gravity;
     energy_ = T + U;
-    if (std::isfinite(W))
-      work_ += W;  // a step that is out of all bounds leaves the later ones their reference
+    if (std::isfinite(W)) work_ += W;  // keeps the reference finite after a step out of all bounds
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
                    floor + gain_rounding * std::abs(energy_), par.h);
   }
@@ -105,10 +104,10 @@ class EnergyBalance {
  private:
   /// A body and its coupling at the end of a step.
   struct Coupled : CouplingAt {
-    bool pulls = false;  // it has a coupling
+    bool pulls = false;  // true if it has a coupling
     Pose X_WB;
     Target target;
-    Real s = 0;  // of the ramp
+    Real s = 0;  // s of the ramp
   };
 
   static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
@@ -233,7 +232,7 @@ class EnergyBalance {
   /// Energy stored in contact springs, J.
   struct Springs {
     Real energy = 0;
-    Real may_find = 0;  // (35)  by as much as they may be found deeper in a stage
+    Real may_find = 0;  // (35)  bound of energy that deeper contacts may add in a stage, J
     Real floor = 0;     // part of it that may be stored without any motion pressing the springs
   };
 

@@ -170,7 +170,7 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
 
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
-    const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
+    const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // force at the start of the stage
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
     constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
     const auto point = [&]() noexcept -> decltype(auto) {

@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-inline bool is_finite(Real sum) noexcept { return sum - sum == 0; }  // NaN and infinity are not
+inline bool is_finite(Real sum) noexcept { return sum - sum == 0; }  // false for NaN and infinity
 inline bool is_finite(const Pack& sum) noexcept {
   return is_finite((lane(sum, 0) + lane(sum, 1)) + (lane(sum, 2) + lane(sum, 3)));
 }

@@ -15,7 +15,8 @@ struct RampParams {
   Real rise = 0.5;  // s from engaging to full coupling; 0: at once
   Real lost = 0;    // s (and at least bridged_steps) without a valid sample after which the device re-engages
                     // by the ramp
-  Real stale = 0;   // s (and at least bridged_steps) for which the wrench that was shown stays; then it fades
+  Real stale = 0;   // s (and at least bridged_steps) for which the displayed wrench stays constant; then it
+                    // fades
 };
 
 /// Part of the feedback that is displayed in a step.
@@ -23,7 +24,7 @@ enum class Showing : std::uint8_t {
   all,
   capped,  // after a gap: the wrench at its end, and the share CouplingInput::growth of the bounds
   still,   // no valid sample: the previous wrench
-  fading,  // none for too long: nothing any more
+  fading,  // no valid sample for longer than `stale`: fading to zero
 };
 
 struct RampState {
@@ -34,12 +35,12 @@ struct RampState {
 /// Effect of a gap in the samples on a step without a valid sample and on those after it.
 struct Gap {
   Real held = 0;      // s since the last valid sample
-  Real recovery = 0;  // s until all of the feedback may be shown
+  Real recovery = 0;  // s until the full feedback may be displayed
   Real growth = 0;    // see Showing::capped
   Showing showing = Showing::all;
   bool long_gap = false;   // true if `recovery` follows a long gap: the feedback grows meanwhile
-  bool bridged = false;    // the target goes on as it moved; without a sample and not bridged it rests
-  bool back = false;       // the first valid sample after a gap
+  bool bridged = false;    // true if the target is extrapolated; without a sample and not bridged it rests
+  bool back = false;       // first valid sample after a gap
   bool reengages = false;  // the gap exceeded `lost`: the device re-engages by the ramp
 };
 
@@ -47,8 +48,8 @@ struct Gap {
 struct CouplingInput {
   Target from, to;        // target at the start and the end of the step, quaternions of one sign
   RampState ramp;         // during this step
-  Wrench F_WB;            // force and torque applied by the hand (admittance), in a stage: where it ends
-  Wrench F_0_WB, F_1_WB;  // those at the start and the end of the step
+  Wrench F_WB;            // wrench applied by the hand (admittance) at the end of a stage
+  Wrench F_0_WB, F_1_WB;  // wrenches at the start and the end of the step
   bool live = true;       // true if the step has a valid sample
   bool fresh = false;     // first step after engaging or releasing: no history is valid
   Gap gap;
@@ -59,9 +60,9 @@ struct DeviceState {
   Target last;  // target of the last step
   RampState ramp;
   Real held = 0;          // s since the last valid sample
-  Real recovery = 0;      // s until all of the feedback may be shown, after a gap
-  bool long_gap = false;  // that gap was a long one: the feedback grows meanwhile
-  Wrench F_WB;            // applied at the end of the last step, of an admittance device
+  Real recovery = 0;      // s until the full feedback may be displayed after a gap
+  bool long_gap = false;  // true if that gap was long: the feedback grows meanwhile
+  Wrench F_WB;            // wrench at the end of the last step, of an admittance device
 };
 
 /// Returns the state after the step.
@@ -192,7 +193,7 @@ struct RelativeDevice {
   using State = DeviceState;
   struct Input {
     Vec3 dp_W = Vec3::Zero();    // shift since the last sample, m
-    Vec3 dphi_W = Vec3::Zero();  // turn since the last sample, rad, |dphi| <= pi
+    Vec3 dphi_W = Vec3::Zero();  // rotation since the last sample, rad, |dphi| <= pi
     bool clutch = true;          // true if motion of the device moves the target
     bool valid = true;
     bool engaged = true;
@@ -235,7 +236,7 @@ struct AdmittanceDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
-    Wrench F_WB;  // of the hand on the body, about its centre of mass
+    Wrench F_WB;  // wrench of the hand on the body, about its centre of mass
     bool valid = true;
     bool engaged = true;
   };

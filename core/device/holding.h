@@ -19,7 +19,7 @@ inline Pose seen_from(const Pose& X_WA, const Pose& X_WB) noexcept {
 
 /// Coupling input with the grip, which is kept between steps.
 struct GripInput : CouplingInput {
-  Pose X_DB;  // the held body as the device sees it
+  Pose X_DB;  // pose of the gripped body in the device's frame
 };
 
 struct HoldingState : DeviceState {

@@ -40,7 +40,7 @@ inline PrescribedMotion prescribe(const PrescribedJoints::State& x, int turns, c
       l.to = {.q = x.last.q + h * x.last.q_dot, .q_dot = x.last.q_dot};
     return l;
   }
-  const JointCoordinates q = unwrapped(in.q, x.last.q, turns);  // the short way round
+  const JointCoordinates q = unwrapped(in.q, x.last.q, turns);  // nearest turn
   const Real s_0 = input.fresh ? 0 : before.s, s = input.ramp.s;
   if (s_0 >= 1 || s >= 1) {
     l.to = {.q = q, .q_dot = in.q_dot};
