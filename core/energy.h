@@ -40,9 +40,9 @@ Real kinetic_energy_of(const Params<S>& par, const Motions& motions) noexcept {
 
 /// State of a body's coupling at the end of the last step.
 struct CouplingAt {
-  SpringParams spring;  // during the ramp
-  Wrench F_WB;          // (2)
-  Real energy = 0;      // in its spring
+  SpringParams spring;  // gains during the ramp
+  Wrench F_WB;          // wrench (2)
+  Real energy = 0;      // energy in its spring, J
 };
 template <Scene S>
 CouplingAt coupling_at(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {

@@ -63,7 +63,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
   if constexpr (uses<typename S::Coupling>) {
     const SpringParams& spring = par.bodies[i].coupling;
     const Pose& X_WB = x.bodies[i].x.X_WB;
-    const Target &from = w.pulls[i].from, &to = w.pulls[i].to;
+    const Target &from = w.coupling_inputs[i].from, &to = w.coupling_inputs[i].to;
     if (pulls(spring)) {
       // the cubic (15) of TR-BDF2 swings out beyond both ends by what their velocities are
       const auto angle = [](const Quat& a, const Quat& b) noexcept {
@@ -79,7 +79,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
   }
   if constexpr (uses<typename S::Device>) {
     const RigidBodyParams& body = par.bodies[i].body;
-    const Wrench F = w.pulls[i].F_WB;
+    const Wrench F = w.coupling_inputs[i].F_WB;
     const Real least_I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
     W += Real(0.5) * par.h * par.h * (F.f.squaredNorm() / body.m + F.tau.squaredNorm() / least_I);
   }

@@ -118,7 +118,7 @@ bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& 
   most = {};
   const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
-  [[maybe_unused]] bool turned = false;  // friction given along a slip (50) does work on it
+  [[maybe_unused]] bool turned = false;  // true if friction predicted along a slip (50) does work on it
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
     if constexpr (std::is_same_v<V, PackVelocity>) {
       turned = turned || is_slip_reversed(c);
@@ -145,8 +145,8 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
 /// Termination criteria of the iterations of a coupled system.
 struct SolverLimits {
   bool has_contacts = false;
-  int iteration_limit = 0;              // in all Newton iterations
-  Real tolerance = velocity_tolerance;  // m/s
+  int iteration_limit = 0;              // limit of iterations, in all Newton iterations
+  Real tolerance = velocity_tolerance;  // m/s, of all velocities
 
   /// Returns the limit for the next Newton iteration: a share of the remaining iterations, because contacts
   /// may change their modes afterwards.

@@ -63,7 +63,7 @@ struct BodyStage {
   Block A_ww;
   Real M = 0;
   SpatialVector b;
-  bool is_held = false;  // by a coupling
+  bool is_held = false;  // true if a coupling acts on it
 };
 
 inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexcept {
@@ -74,7 +74,7 @@ inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexc
 struct NearGroup {
   static constexpr std::uint32_t no_pair = ~std::uint32_t(0);
   std::uint32_t first = 0, end = 0;
-  std::uint32_t pair = no_pair;  // in the graph
+  std::uint32_t pair = no_pair;  // number of the pair in the graph
 };
 
 /// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
@@ -123,12 +123,12 @@ struct BodyContactScratch {
   std::size_t num_groups = 0;
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
   std::array<InitialMemoryPack, max_packs> initial;     // of these
-  LinePacks<max_packs + Contacts::max_net_packs> line;  // those that leave their modes on it
+  LinePacks<max_packs + Contacts::max_net_packs> line;  // contacts that change their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename Contacts::TermStages terms;
-  System system;  // of the island at hand
+  System system;  // system of the current island
   SystemVectors<typename OfNet::Coupled>
-      x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
+      x;  // V: velocities of all bodies; V_0: predicted ones, then those of the previous iteration
   [[no_unique_address]] typename OfNet::type net;            // nodes of nets
   [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;
