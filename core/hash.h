@@ -37,8 +37,8 @@ class Hash {
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
   void add(const LimitedFeedback::State& x) noexcept {
     add(x.F_D);
-    if (x.force_then == 0 && x.torque_then == 0) return;  // there was no gap
-    add(x.force_then, x.torque_then);
+    if (x.force_at_return == 0 && x.torque_at_return == 0) return;  // there was no gap
+    add(x.force_at_return, x.torque_at_return);
   }
   void add(const DeviceState& x) noexcept {
     add(x.last, x.ramp, x.held);

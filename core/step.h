@@ -100,7 +100,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (!std::is_empty_v<typename S::Integrator::Memory>)
       x.bodies[i].memory = next.memory.of_lane(j);
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
-    if constexpr (uses<typename S::Device>) x.bodies[i].device = carried_over(w.pulls[i]);
+    if constexpr (uses<typename S::Device>) x.bodies[i].device = state_after(w.pulls[i]);
     if constexpr (prescribes<S>) x.bodies[i].joint.last = w.prescribed[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
@@ -148,7 +148,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   if (!any(out.fault)) {
     if constexpr (iterates_joints<S>) w.iteration.subdivides = false;
     out.limited |= S::Integrator::advance(par, x, w);
-    if constexpr (uses<NetOf<S>>) keep_angular_momentum(par, x, w);
+    if constexpr (uses<NetOf<S>>) conserve_angular_momentum(par, x, w);
     if (!is_finite(par, w)) out.fault |= Fault::state_not_finite;
     else if (rises_out_of_measure(par, x, w)) out.fault |= Fault::energy_gained;
     if (any(out.fault)) begin_means(par, x, 0, w);

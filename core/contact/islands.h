@@ -94,13 +94,13 @@ void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, ma
   }
 }
 
-/// Builds the islands, each with its bodies and pairs. touches[i]: body i touches anything. join_more():
+/// Builds the islands, each with its bodies and pairs. touches[i]: body i touches anything. join_further():
 /// joins by further couplings.
-template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms, class JoinMore>
+template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms, class JoinFurther>
 void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
-                  TouchingGraph<N, max_pairs, jointed, max_terms>& w, JoinMore join_more) noexcept {
+                  TouchingGraph<N, max_pairs, jointed, max_terms>& w, JoinFurther join_further) noexcept {
   join_bodies(num_bodies, w);
-  join_more();
+  join_further();
   const auto is_alone = [&](std::uint32_t i) noexcept {
     if constexpr (jointed) {
       if (w.joints.joined[i]) return false;

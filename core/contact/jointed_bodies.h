@@ -65,8 +65,8 @@ void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, 
   }
 }
 
-/// Adds the joints of an island's bodies, already unknowns of its system, and their stops as terms: the
-/// effective mass D e e^T of the child against the parent, e the wrench on a coordinate.
+/// Adds the joints of an island's bodies, already unknowns of its system, and their stops as terms. A stop is
+/// the effective mass D e e^T of the child against the parent, e the wrench on a coordinate.
 template <class Contacts, std::size_t N>
 void add_bodies_to_parents(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& all = w.graph.joints;

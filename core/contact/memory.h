@@ -44,7 +44,7 @@ class Recall {
     return at_ < of_.size && of_.list[at_].key == key ? &of_.list[at_] : nullptr;
   }
   /// Returns the memory of a key; one without a normal if there is none.
-  const ContactMemory* find_or_none(std::uint64_t key) noexcept {
+  const ContactMemory* find_or_empty(std::uint64_t key) noexcept {
     const ContactMemory* const found = find(key);
     return found != nullptr ? found : &none_;
   }
@@ -72,14 +72,14 @@ bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
 /// Initialisation of a stage's contacts: from the memory of the previous step or stage, extrapolated by t_0
 /// and t_1.
 struct ContactStage {
-  Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
-  Real relaxing = 0;      // s, for which e is relaxed
-  Real found = 0;         // J, by the stages of the step before it: ContactReport
+  Real t_0 = 0, t_1 = 0;     // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
+  Real relaxation_time = 0;  // s, for which e is relaxed
+  Real found = 0;            // J, by the stages of the step before it: ContactReport
   bool continues_step =
       false;  // after another stage of the step; otherwise that one's memories are none of this step
   bool follows = false;   // it starts where that stage has ended
   bool is_euler = false;  // as `follows`, but the rest penetration (35) is updated at step boundaries only
-  Real ahead = 0;         // s: extrapolation from the end of the previous stage to the start of this one
+  Real extrapolated_time = 0;  // s: extrapolation from the end of the previous stage to the start of this one
 
   /// True if the stage starts at the end of another one, of this step or the previous.
   bool starts_at_stage_end() const noexcept { return follows || (t_0 == 0 && !continues_step); }
@@ -125,8 +125,8 @@ struct StageLawOf {
   T mu = 0;                      // Coulomb
   T kept = 0;                    // share of xi that is left at the end of a stage without friction
   T given = 0;                   // m/N, by which friction moves xi
-  T relaxed = 0;                 // m, by which e may fall
-  T behind = 0;                  // m, by which it may be behind the depth when it falls
+  T max_decrease = 0;            // m, by which e may fall
+  T max_lag = 0;                 // m, by which it may be behind the depth when it falls
   T max_stored_penetration = 0;  // m (35)
 };
 
@@ -134,8 +134,8 @@ struct StageLawOf {
 template <class T>
 struct ContactStartOf {
   Vector3<T> n_W;
-  T d_0;     // depth, m
-  T closed;  // approach by extrapolation, m: 0 if the stage starts at the end of another
+  T d_0;       // depth, m
+  T approach;  // approach by extrapolation, m: 0 if the stage starts at the end of another
 };
 
 /// Initial data of contacts in a stage.
@@ -148,16 +148,16 @@ struct InitialContactOf {
                     // the previous one
 };
 
-/// Returns the relaxed rest penetration: decreases by at most `by`, never below d - behind nor below 0 (35).
+/// Returns the relaxed rest penetration: decreases by at most max_decrease, never below d - max_lag nor below 0 (35).
 template <class T>
-T relax_offset(const T& e, const T& d, const T& by, const T& behind) noexcept {
-  return max(min(e, max(e - by, d - behind)), T(0));
+T relax_offset(const T& e, const T& d, const T& max_decrease, const T& max_lag) noexcept {
+  return max(min(e, max(e - max_decrease, d - max_lag)), T(0));
 }
 
 /// Returns the change of energy of a contact spring (38), J. before: compression at the end of a stage, m.
 /// now: compression at the start of the next.
 template <class T>
-T found_energy(const T& k, const T& before, const T& now) noexcept {
+T spring_energy_change(const T& k, const T& before, const T& now) noexcept {
   return T(0.5) * k * (now * now - before * before);
 }
 
@@ -180,7 +180,7 @@ auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& of
   const T turned = select(by_stage, of_stage.n_W.dot(start.n_W), of_step.n_W.dot(start.n_W)),
           end = select(by_stage, of_stage.e + of_stage.pressed, of_step.e + of_step.pressed);
   return (by_stage | was(of_step)) &
-         ((turned < T(same_contact)) | (most < start.d_0 + T(stage.ahead) * v_n - end));
+         ((turned < T(same_contact)) | (most < start.d_0 + T(stage.extrapolated_time) * v_n - end));
 }
 
 /// Returns the initial data of contacts, from the memories of the previous step and stage. If the normal has
@@ -208,16 +208,17 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
     before = select(by_stage, pressed, T(0));  // a contact open in the previous stage was not pressed
     F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
   }
-  T offset = relax_offset(e, start.d_0, law.relaxed, law.behind);
+  T offset = relax_offset(e, start.d_0, law.max_decrease, law.max_lag);
   if (stage.starts_at_stage_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < before, before + e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
-  const T e_new = max(start.d_0 - start.closed - law.max_stored_penetration, T(0));
+  const T e_new = max(start.d_0 - start.approach - law.max_stored_penetration, T(0));
   const T now_new = min(max(start.d_0 - e_new, T(0)), law.max_stored_penetration);
   return {.xi_W = xi - start.n_W * start.n_W.dot(xi),
           .e = select(known, offset, e_new),
           .F_n = select(known, max(F_n, T(0)), T(-1)),
-          .found = select(known, found_energy(law.k, before, now), found_energy(law.k, T(0), now_new))};
+          .found = select(known, spring_energy_change(law.k, before, now),
+                          spring_energy_change(law.k, T(0), now_new))};
 }
 
 /// Contact data from the start of the stage needed to update the memory at its end.

@@ -79,7 +79,7 @@ struct NearGroup {
 
 /// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
 struct LinePack {
-  Pack F_n, by, v_n, touching;
+  Pack F_n, by, v_n, active;
 };
 template <std::size_t max_packs>
 struct LinePacks {

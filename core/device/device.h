@@ -13,9 +13,9 @@ namespace godobject {
 
 struct RampParams {
   Real rise = 0.5;  // s from engaging to full coupling; 0: at once
-  Real lost = 0;  // s (and at least bridged_steps) without a valid sample after which the device re-engages
-                  // by the ramp
-  Real stale = 0;  // s (and at least bridged_steps) for which the wrench that was shown stays; then it fades
+  Real lost = 0;    // s (and at least bridged_steps) without a valid sample after which the device re-engages
+                    // by the ramp
+  Real stale = 0;   // s (and at least bridged_steps) for which the wrench that was shown stays; then it fades
 };
 
 /// Part of the feedback that is displayed in a step.
@@ -65,7 +65,7 @@ struct DeviceState {
 };
 
 /// Returns the state after the step.
-inline DeviceState carried_over(const Pull& pull) noexcept {
+inline DeviceState state_after(const Pull& pull) noexcept {
   return {.last = pull.to,
           .ramp = pull.ramp,
           .held = pull.gap.held,
@@ -91,7 +91,7 @@ inline Pose displaced(const Pose& X, const Vec3& dp_W, const Vec3& dphi_W) noexc
   return {.p = X.p + dp_W, .q = renormalized(exp_so3(at_most_half_a_turn(dphi_W)) * X.q)};
 }
 /// Extrapolates a target by its velocity over a time dt, s.
-inline Target carried_on(const Target& x, Real dt) noexcept {
+inline Target extrapolated_target(const Target& x, Real dt) noexcept {
   return {.X_WD = displaced(x.X_WD, dt * x.V_WD.v, dt * x.V_WD.w), .V_WD = x.V_WD};
 }
 
@@ -152,8 +152,10 @@ inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted,
   return pull;
 }
 
-/// True if a grip survives the gap: engaged before it, and the gap is at most grip_lasts.
-inline bool grip_lasted(const DeviceState& x) noexcept { return x.ramp.engaged && x.held <= grip_lasts; }
+/// True if a grip survives the gap: engaged before it, and the gap is at most max_gap_with_grip.
+inline bool is_grip_kept(const DeviceState& x) noexcept {
+  return x.ramp.engaged && x.held <= max_gap_with_grip;
+}
 
 /// Returns q or -q, the same attitude: the one nearer to `reference`.
 inline Quat same_sign(const Quat& q, const Quat& reference) noexcept {
@@ -177,7 +179,7 @@ struct PoseDevice {
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
     if (in.valid)
       d.to = {.X_WD = {.p = in.target.X_WD.p, .q = renormalized(in.target.X_WD.q)}, .V_WD = in.target.V_WD};
-    else if (d.gap.bridged) d.to = carried_on(x.last, h);
+    else if (d.gap.bridged) d.to = extrapolated_target(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
     return d;
@@ -199,7 +201,7 @@ struct RelativeDevice {
   static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
                    Limited& limited) noexcept {
     Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
-    const bool gap_ends = in.valid && x.held > 0 && grip_lasted(x);
+    const bool gap_ends = in.valid && x.held > 0 && is_grip_kept(x);
     d.from = d.fresh && !gap_ends ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     d.to.X_WD = d.from.X_WD;
     if (gap_ends) {
@@ -209,7 +211,7 @@ struct RelativeDevice {
       d.to.X_WD = displaced(d.from.X_WD, in.dp_W, in.dphi_W);
       d.to.V_WD = {.w = in.dphi_W / h, .v = in.dp_W / h};
     } else if (!in.valid && d.gap.bridged && !d.fresh) {
-      d.to = carried_on(x.last, h);
+      d.to = extrapolated_target(x.last, h);
     }
     return d;
   }
@@ -250,7 +252,7 @@ struct AdmittanceDevice {
 
 /// Advances a device by a time dt without steps: the missed periods become a gap in the samples.
 inline void pass_time(DeviceState& x, Real dt, Real h) noexcept {
-  if (x.held + dt <= (bridged_steps + Real(0.5)) * h) x.last = carried_on(x.last, dt);
+  if (x.held + dt <= (bridged_steps + Real(0.5)) * h) x.last = extrapolated_target(x.last, dt);
   x.held += dt;
 }
 

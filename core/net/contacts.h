@@ -69,7 +69,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       Real m = net.par.nodes[one.a].m;
       if (!on_world) m = std::min(m, w.stages[one.b].M);
       laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, h,
-                                    w.stage.relaxing, on_world);
+                                    w.stage.relaxation_time, on_world);
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
@@ -126,19 +126,18 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
-    const Real a = h * c.eta_t[j], b = h * (c.touching[j] * c.eta_n[j] - c.eta_t[j]);
-    if (!(a > 0) && !(c.touching[j] > 0)) continue;
+    const Real a = h * c.eta_t[j], b = h * (c.active[j] * c.eta_n[j] - c.eta_t[j]);
+    if (!(a > 0) && !(c.active[j] > 0)) continue;
     const Vec3 n = lane(c.n, j);
-    w.contacts[w.num_contacts++] = {
-        .node = w.near.list[i].a,
-        .body = w.near.list[i].b,
-        .carrier = w.carrier[i],
-        .n = Column(n),
-        .r = Column(lane(c.r, j)),
-        .a = a,
-        .b = b,
-        .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
-                         lane(c.u, j) * (h * c.f_slip[j])))};
+    w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
+                                    .body = w.near.list[i].b,
+                                    .carrier = w.carrier[i],
+                                    .n = Column(n),
+                                    .r = Column(lane(c.r, j)),
+                                    .a = a,
+                                    .b = b,
+                                    .J = Column(Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
+                                                     lane(c.u, j) * (h * c.f_slip[j])))};
   }
 }
 
@@ -207,9 +206,9 @@ void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept
     net.factored_h = h;
   }
   if (first) predict_friction(h, net);  // those that touch stay the same
-  take_contacts_out(net);
+  remove_contacts_from_factor(net);
   gather_net_contacts(h, net);
-  put_contacts_in(net);
+  add_contacts_to_factor(net);
   load_impulses(w);
   load_carrier_relative(w);
 }

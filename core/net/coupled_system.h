@@ -9,8 +9,8 @@
 // as preconditioner, a net and its carrier fall, rotate and collide as one from the first iteration on. The
 // matrix of the nodes is not stored: anchors, springs and contacts multiply by their few numbers.
 //
-// At the end of the iteration, V is corrected so that the energy balance (28) and the momenta of each body
-// with its net hold, for any residual of the deformation:
+// At the end of the iteration, V is corrected for any residual of the deformation. The energy balance (28)
+// and the momenta of each body with its net then hold:
 //
 //   (45)  V+ = s V + (c, 0)  with  V+^T r = 0,  r of bodies = 0
 #pragma once

@@ -1,10 +1,10 @@
 // Search for contacts of nodes of nets: with surfaces of the world, shapes on bodies, and spheres of bodies
 // without shapes.
 //
-// Bound: for each four nodes, a query of each surface of the world, and of each surface or sphere of a body
-// whose box contains one. Nodes do not touch each other, bodies of their carrier's tree, or bodies that they
-// are attached to. Fast nodes, and nodes deep in an obstacle of the world, are swept like spheres of bodies
-// (core/contact/find/sweep.h).
+// Bound: for each four nodes, a query of each surface of the world. Also a query of each surface or sphere of
+// a body whose box contains one of them. Nodes do not touch each other, bodies of their carrier's tree, or
+// bodies that they are attached to. Fast nodes, and nodes deep in an obstacle of the world, are swept like
+// spheres of bodies (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"

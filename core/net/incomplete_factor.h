@@ -1,6 +1,7 @@
 // Incomplete factor of the nodes of nets, the preconditioner of their conjugate gradients.
 //
-//   (43)  M = (D + L) D^-1 (D + L^T),  L couplings by springs, below the diagonal;  D_j = A_jj - sum_{i < j} K_ij D_i^-1 K_ij
+//   (43)  M = (D + L) D^-1 (D + L^T),  L couplings by springs, below the diagonal;
+//         D_j = A_jj - sum_{i < j} K_ij D_i^-1 K_ij
 //
 // Only the diagonal is changed by the factorisation (Meijerink and van der Vorst 1977). Every D is positive
 // definite. If D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij. A_jj is the sum of all K at j
@@ -84,13 +85,13 @@ void renew_inverses(NetStage<Net, N>& w) noexcept {
 /// Removes the contacts of nodes from their D; below, adds them. Their effect on other D remains as factored.
 /// The preconditioner stays valid, because D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
-void take_contacts_out(NetStage<Net, N>& w) noexcept {
+void remove_contacts_from_factor(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) w.of_contacts[w.contacts[c].node] = SymmetricBlock::zero();
   renew_inverses(w);
 }
 /// Adds the contacts of nodes to D, after the previous ones were removed. A node may have several.
 template <class Net, std::size_t N>
-void put_contacts_in(NetStage<Net, N>& w) noexcept {
+void add_contacts_to_factor(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c)
     w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
   renew_inverses(w);

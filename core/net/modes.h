@@ -5,12 +5,12 @@
 // the factor of the nodes instead:
 //
 //   (50)  by h / m a newton,  m = d^T D d along d, D of (43) without the contact:
-//         slip     s* = s + (F_t - mu F_n) h / m,                            where friction is as the law says
+//         slip     s* = s + (F_t - mu F_n) h / m,                   at which friction obeys the law
 //         at first F_n = F_n- + (F_0 - eta_n v_n - F_n-) / (1 + eta_n h / m),  F_n- of the stage before
 //                  F_t = -mu F_n s/|s| where it slips,                        v_n, s where the stage starts
 //
 // and eta_t is evaluated at s*. Neighbours yield too, so the node moves farther than predicted, never less.
-// The first iteration uses the force itself: a net sliding as a whole is decelerated by mu F_n at any speed,
+// The first iteration uses the force itself. A net sliding as a whole is decelerated by mu F_n at any speed,
 // whereas an eta_t would err by its acceleration, h a / |s|. If this reverses a slip, the contact sticks in
 // the next iteration, whose eta_t does no work on slips.
 #pragma once
@@ -66,11 +66,11 @@ void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
     const Pack F_before = max(w.initial[p].F_n, Pack(0));  // of a new one, none
     const Vector3<Pack> v = w.begins_at_solution ? c.v : Vector3<Pack>(c.v + start_less_predicted(p, w));
     const Pack v_n = c.n.dot(v);
-    const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.touching * c.eta_n * h, h, w);
+    const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.active * c.eta_n * h, h, w);
     const Pack F_n = max(F_before + (c.F_0 - c.eta_n * v_n - F_before) / stiffer, Pack(0));
-    const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.touching;
+    const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.active;
     const Pack speed = speed_of(s);
-    c.eta_t = c.touching * friction(c, speed, F_n);
+    c.eta_t = c.active * friction(c, speed, F_n);
     if (w.par->max_iterations == 1) continue;
     set_tangents(c, s, speed, F_n);
     c.eta_t = select(c.eta_t < c.max_eta_t, Pack(0), c.eta_t);

@@ -36,7 +36,7 @@ struct Flight {
 };
 
 /// Flying group: the carrier of a run with its nodes.
-struct Alone {
+struct WithCarrier {
   const NetRun& run;
 
   template <class F>
@@ -96,25 +96,26 @@ struct Attached {
   }
 };
 
-template <class Flyers, class F>
-void each_node_of(const Flyers& flyers, F f) noexcept {
-  flyers.each_run([&](const auto& run) noexcept {
+template <class FlyingGroup, class F>
+void each_node_of(const FlyingGroup& flying, F f) noexcept {
+  flying.each_run([&](const auto& run) noexcept {
     for (std::uint32_t n = run.first; n < run.end; ++n) f(n);
   });
 }
 
 /// Returns mass, centre, momentum and inertia of a flying group. body_of(i): the state of body i.
-template <Scene S, class Flyers, class BodyOf, class Nodes>
-Flight flight_of(const Params<S>& par, const Flyers& flyers, BodyOf body_of, const Nodes& nodes) noexcept {
+template <Scene S, class FlyingGroup, class BodyOf, class Nodes>
+Flight flight_of(const Params<S>& par, const FlyingGroup& flying, BodyOf body_of,
+                 const Nodes& nodes) noexcept {
   Flight all;
   const auto add_mass = [&](Real m, const Vec3& p_W) noexcept {
     all.m += m;
     all.mp_W += m * p_W;
   };
-  flyers.each_body([&](std::size_t i) noexcept { add_mass(par.bodies[i].body.m, body_of(i).X_WB.p); });
-  each_node_of(flyers, [&](std::uint32_t n) noexcept { add_mass(par.net.nodes[n].m, nodes[n].p_W); });
-  flyers.each_body([&](std::size_t i) noexcept { all.add(par.bodies[i].body, body_of(i)); });
-  each_node_of(flyers, [&](std::uint32_t n) noexcept {
+  flying.each_body([&](std::size_t i) noexcept { add_mass(par.bodies[i].body.m, body_of(i).X_WB.p); });
+  each_node_of(flying, [&](std::uint32_t n) noexcept { add_mass(par.net.nodes[n].m, nodes[n].p_W); });
+  flying.each_body([&](std::size_t i) noexcept { all.add(par.bodies[i].body, body_of(i)); });
+  each_node_of(flying, [&](std::uint32_t n) noexcept {
     all.add(par.net.nodes[n].m, nodes[n].p_W - all.centre(), nodes[n].v_W);
   });
   return all;
@@ -155,14 +156,15 @@ bool joins_carriers(const NetStage<Net, N>& w, const NetRun& run) noexcept {
 }
 
 /// Applies the correction (48) to a flying group.
-template <Scene S, class Flyers>
-void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyers, Scratch<S>& w) noexcept {
+template <Scene S, class FlyingGroup>
+void restore_angular_momentum(const Params<S>& par, const State<S>& x, const FlyingGroup& flying,
+                              Scratch<S>& w) noexcept {
   const auto before_of = [&](std::size_t i) noexcept -> const RigidBodyState& { return x.bodies[i].x; };
   const auto after_of = [&](std::size_t i) noexcept -> RigidBodyState {
     return lane(w.next[i / lanes<S>].x, i % lanes<S>);
   };
-  const Flight before = flight_of(par, flyers, before_of, x.net.nodes),
-               after = flight_of(par, flyers, after_of, w.net.next);
+  const Flight before = flight_of(par, flying, before_of, x.net.nodes),
+               after = flight_of(par, flying, after_of, w.net.next);
   const Vec3 lost = before.L_W - after.L_W;
   if (lost.norm() > max_given_back * before.size) return;
   const Vec3 w_W = solve3<Real>(after.I_W, lost), c = after.centre();
@@ -172,34 +174,35 @@ void give_back_turn(const Params<S>& par, const State<S>& x, const Flyers& flyer
     set_lane(next.x.v_W, i % lanes<S>, Vec3(body.v_W + w_W.cross(body.X_WB.p - c)));
     set_lane(next.x.w_B, i % lanes<S>, Vec3(body.w_B + to_body<Real>(body.X_WB.q, w_W)));
   };
-  flyers.each_body(turn);
-  each_node_of(flyers,
+  flying.each_body(turn);
+  each_node_of(flying,
                [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
 }
 
 /// Applies the correction (48) to w.next.
 template <Scene S>
-void keep_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
+void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;
   each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
-    if (of.flies) give_back_turn(par, x, WithoutCarrier{nodes}, w);
+    if (of.flies) restore_angular_momentum(par, x, WithoutCarrier{nodes}, w);
   });
   if (net.attached().empty()) {
     each_carried(net, [&](const NetRun& run) noexcept {
-      if (flies(par, w, run.body) && !joins_carriers(net, run)) give_back_turn(par, x, Alone{run}, w);
+      if (flies(par, w, run.body) && !joins_carriers(net, run))
+        restore_angular_momentum(par, x, WithCarrier{run}, w);
     });
     return;
   }
-  Attached flyers(net);
+  Attached flying(net);
   each_carried(net, [&](const NetRun& run) noexcept {
-    flyers.number = flyers.of[run.body];
-    bool fly = !flyers.is_held[flyers.number], is_first = true;
-    flyers.each_body([&](std::size_t i) noexcept { fly = fly && flies(par, w, i); });
-    flyers.each_run([&](const NetRun& other) noexcept {
+    flying.number = flying.of[run.body];
+    bool fly = !flying.is_held[flying.number], is_first = true;
+    flying.each_body([&](std::size_t i) noexcept { fly = fly && flies(par, w, i); });
+    flying.each_run([&](const NetRun& other) noexcept {
       is_first = is_first && other.first >= run.first;
       fly = fly && !joins_carriers(net, other);
     });
-    if (fly && is_first) give_back_turn(par, x, flyers, w);
+    if (fly && is_first) restore_angular_momentum(par, x, flying, w);
   });
 }
 

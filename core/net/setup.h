@@ -29,7 +29,7 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   }
   if (!are_springs) return;
   NodeGrouping(par).put_in_groups();
-  put_in_slots(par);
+  assign_slots(par);
   find_floating(par);
 }
 

@@ -50,9 +50,9 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   find_flying(w.net);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
-  const Solving how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
-                    .most_iterations = in.par.max_iterations,
-                    .tolerance = in.par.tolerated_change(h)};
+  const SolverLimits how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
+                         .iteration_limit = in.par.max_iterations,
+                         .tolerance = in.par.tolerated_change(h)};
   const auto solve = [&]() noexcept {
     for (std::size_t n = 0; n < w.graph.num_islands; ++n)
       if (w.graph.islands[n].has_net) return solve_island(h, w.graph.islands[n], how, system, w);

@@ -1,7 +1,8 @@
 // Anchors and springs of nets in a stage: effective masses and impulses, linearised at the predicted end of
 // the stage.
 //
-//   (41)  spring:  impulse J - K x' on j,  K = a 1 + b u u^T,  a = h^2 k max(1 - l_0 / l, 0),  b = h^2 k + h g - a
+//   (41)  spring:  impulse J - K x' on j,  K = a 1 + b u u^T,
+//                  a = h^2 k max(1 - l_0 / l, 0),  b = h^2 k + h g - a
 //   (47)  or from where the stage starts, at rest:  a = h^2 k
 //   (42)  anchor:  impulse J - kappa (v_n - v_b - w_b x r),  kappa = h (h k + g)
 //
@@ -176,8 +177,8 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
   }
 }
 
-/// Energy gain of springs (46) in a stage with the solution v, without the work of others on the nodes, J;
-/// the exchanged energy; and the mass of the nodes, kg.
+/// Energy gain of springs (46) in a stage with the solution v, J, without the work of others on the nodes.
+/// Also the exchanged energy, J, and the mass of the nodes, kg.
 struct SpringGain {
   Real gained = 0, exchanged = 0, mass = 0;
 

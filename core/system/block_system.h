@@ -1,7 +1,7 @@
 // Symmetric block system of all coupled unknowns of a stage: A V = b (26). Unknowns are twists of bodies
 // about their centres of mass, and velocities of nodes. A term declares its coupling once with couple() and
-// adds its values with add_*() whenever they change: an effective mass A (h times an impedance) and an
-// impulse b. Joints are no terms: `joints` eliminate unknowns (33).
+// adds its values with add_*() whenever they change. Values are an effective mass A (h times an impedance)
+// and an impulse b. Joints are no terms: `joints` eliminate unknowns (33).
 //
 // An implementation, with line_search.h, of the approach of Drake's irrotational contact fields (Castro, Han,
 // Masterjohn 2024). docs/step.md lists the differences.
@@ -77,7 +77,7 @@ struct BlockSystem {
   std::array<Set, max_unknowns> neighbours;
   std::array<std::uint32_t, max_unknowns> degree, order;
   [[no_unique_address]] std::conditional_t<jointed, std::array<std::uint32_t, max_unknowns>, Absent<15>>
-      hanging;
+      remaining_children;
 
   static constexpr bool is_body(std::uint32_t u) noexcept { return !has_nodes || u < max_bodies; }
   const BlockJoint* joint_of(std::uint32_t u) const noexcept {

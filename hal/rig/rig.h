@@ -92,8 +92,8 @@ class Rig {
   void disarm() noexcept;
   /// fault -> booting: clears the sticky bits; armed again only after boot and an explicit arm().
   void clear_faults(Nanoseconds now) noexcept;
-  /// any but off -> fault: the next command() stops every drive by its own fastest means (CiA 402: quick
-  /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() recovers.
+  /// any but off -> fault: the next command() stops every drive by its own fastest means. For CiA 402 these
+  /// are a quick stop by option code 605Ah, for ODrive idle, for moteus stopped. clear_faults() recovers.
   void quick_stop() noexcept;
   /// any but off -> fault: the host missed too many deadlines.
   void deadlines_missed() noexcept;

@@ -150,9 +150,9 @@ Nanoseconds NdiTracker::patience() const noexcept {
   return step_ == Step::poll ? poll_patience() : setup_patience;
 }
 
-/// Returns the timeout of a poll, derived from earlier replies: transfer time of command and reply plus the
-/// tracker's own time, which on some trackers lasts until a measurement ends. A later reply counts as lost,
-/// and the poll is repeated at once; after several consecutive losses, less and less often.
+/// Returns the timeout of a poll, derived from earlier replies. They contain the transfer time of command and
+/// reply and the tracker's own time, which on some trackers lasts until a measurement ends. A later reply
+/// counts as lost, and the poll is repeated at once; after several consecutive losses, less and less often.
 Nanoseconds NdiTracker::poll_patience() const noexcept {
   constexpr int eager_tries = 4;
   if (longest_answer_ == 0) return max_poll_patience;

@@ -98,7 +98,7 @@ TEST_F(CliSpaceMouse, LeadsTheToolToTheWallAndNoFurther) {
   EXPECT_THAT(result_.output, HasSubstr("spacemouse"));
 }
 
-TEST_F(CliSpaceMouse, ADaemonThatGoesIsSaidAndComesBack) {
+TEST_F(CliSpaceMouse, ADaemonThatEndsIsReportedAndMayReturn) {
   const nlohmann::json report = run("--duration 5", [](Daemon& daemon) {
     static_cast<void>(daemon.send_words({0, 100}));
     std::this_thread::sleep_for(300ms);
@@ -142,7 +142,7 @@ TEST_F(CliSpaceMouse, SaysWhatToInstallWhereThereIsNoDaemon) {
   EXPECT_THAT(of_environment.output, HasSubstr(path("other.sock")));
 }
 
-TEST_F(CliSpaceMouse, WhatDoesNotGoTogetherIsSaid) {
+TEST_F(CliSpaceMouse, ConflictingOptionsAreReported) {
   for (const auto& [arguments, word] :
        {std::pair{"sim/scenes/wall.toml --spacemouse", "add [device.spacemouse]"},
         std::pair{"sim/scenes/spacemouse.toml --spacemouse --fast", "remove --fast"},

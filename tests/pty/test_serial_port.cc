@@ -153,7 +153,7 @@ TEST(SerialPort, AnyBaudRateIsTaken) {
   EXPECT_EQ(port.state(), SerialState::failed);
 }
 
-TEST(SerialPort, ASecondUserIsToldThatItIsInUse) {
+TEST(SerialPort, ASecondUserIsRefusedBecauseItIsInUse) {
   PseudoTerminal device;
   SerialPort first, second_user;
   ASSERT_TRUE(first.open(device.slave(), {}));

@@ -438,7 +438,7 @@ TEST_F(OurTwoEnds, FramesGoBothWaysWithoutAllocating) {
   EXPECT_EQ(adapter_.counters().received, 200u);
 }
 
-TEST_F(OurTwoEnds, AFullLineIsSaidAndWhatWasQueuedArrivesWholeAndInOrder) {
+TEST_F(OurTwoEnds, AFullLineIsReportedAndQueuedFramesArriveWholeAndInOrder) {
   std::size_t num_queued = 0;
   while (host_->try_send(numbered_frame(0x201, static_cast<std::uint8_t>(num_queued))) == SendResult::queued)
     ASSERT_LT(++num_queued, 1'000'000u);

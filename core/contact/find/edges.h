@@ -73,9 +73,9 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
   const Pack of_a = h_A.p + times_transposed(E_T, h_B).p - abs(w.p_A);
   const Pack least = min(of_a, of_b);
   const int k = least[0] < least[1] ? (least[0] < least[2] ? 0 : 2) : (least[1] < least[2] ? 1 : 2);
-  const bool is_of_a = component(of_a, k) < component(of_b, k);
+  const bool is_on_a = component(of_a, k) < component(of_b, k);
   return {.depth = component(least, k),
-          .n_A = is_of_a ? Vec3(Vec3::Unit(k))
+          .n_A = is_on_a ? Vec3(Vec3::Unit(k))
                          : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
 }
 

@@ -69,8 +69,8 @@ ExitDirection exit_direction(const ContactFinder<Contacts, N>& w, std::uint32_t 
 /// out of its own. pushed_W: force on a by b in the previous step, N. Separation continues along it, because
 /// nearer faces would let the bodies pass through each other's sides (test_tunnelling.cc).
 template <class Contacts, std::size_t N>
-Vec3 parting(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
-             const Vec3& pushed_W) noexcept {
+Vec3 separation_direction(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,
+                          const Vec3& pushed_W) noexcept {
   const auto out_of = [&](std::uint32_t of, std::uint32_t body, const Vec3& pushed) noexcept {
     return exit_direction(w, w.owned[of].first_surface, w.owned[of].end_surface, body, pushed);
   };

@@ -51,8 +51,8 @@ Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
 }
 /// Returns the opening speed of a point of body a, or of four points, along a normal off body b.
 template <class T = Real, class Contacts, std::size_t N>
-T opening_at(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, const Vector3<T>& p_W,
-             const Vector3<T>& n_W) noexcept {
+T opening_speed(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, const Vector3<T>& p_W,
+                const Vector3<T>& n_W) noexcept {
   const auto along = [&](const TreePlace& at) noexcept {
     const Vector3<T> r = p_W - at.a_W.template cast<T>(), rxn = r.cross(n_W);
     return T(n_W.dot(at.V.v.template cast<T>()) + rxn.dot(at.V.w.template cast<T>()));

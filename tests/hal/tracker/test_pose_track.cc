@@ -232,7 +232,7 @@ TEST(PoseTrack, ComesToRestThenIsNotValid) {
   EXPECT_EQ(played.target.V_WD.v.norm(), 0);
 }
 
-TEST(PoseTrack, BeginsAnewAfterAGap) {
+TEST(PoseTrack, RestartsAfterAGap) {
   Replay run;
   run.until = start + 1000 * ms;
   for (int i = 0; i < 1500; ++i) static_cast<void>(run.step());

@@ -182,7 +182,7 @@ TEST_F(CliErrors, AMotionOutOfTheDevicesReachIsAFault) {
   EXPECT_THAT(result.output, HasSubstr("unreachable"));
 }
 
-TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
+TEST_F(CliErrors, AMissingProfileIsReportedWithItsLine) {
   std::string text = rigid_with("profile = \"generic-402\"", "profile = \"nosuch\"");
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("nosuch")), '\n');

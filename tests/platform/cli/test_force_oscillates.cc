@@ -87,7 +87,7 @@ TEST_F(ForceOscillates, WithoutARigItIsAFaultOfTheRun) {
   EXPECT_EQ(report()["faults"][0]["name"], "force_oscillates");
 }
 
-TEST_F(ForceOscillates, RearmingByItselfDoesNotBeginAnew) {
+TEST_F(ForceOscillates, AutomaticRearmingDoesNotRestartIt) {
   const std::string scene = write("light.toml", desk_scene(heavy_feedback, light_plant));
   const ProgramResult run = run_program("run --rearm auto " + scene + outputs());
   EXPECT_EQ(run.exit_code, 1) << run.output;

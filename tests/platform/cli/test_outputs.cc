@@ -132,7 +132,7 @@ TEST_F(Outputs, ACommandNeedNotBeUtf8) {
 }
 
 /// Printed when they occur, with all details, and also in the report; also on the simulated clock.
-TEST_F(Outputs, FaultsAndRearmingAreTold) {
+TEST_F(Outputs, FaultsAndRearmingAreReported) {
   const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/";
   write("patient-402.toml", read_file(hil + "patient-402.toml"));
   const std::string scene = write("rig.toml", read_file(hil + "rig.toml") + R"(
@@ -167,7 +167,7 @@ at = 0.3
 }
 
 /// Limits from too little to start at all to enough.
-TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
+TEST_F(Outputs, OutOfMemoryInSetUpIsReported) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer takes terabytes of addresses";
 #endif

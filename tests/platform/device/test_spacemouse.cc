@@ -185,7 +185,7 @@ TEST(SpaceMouse, WithItsClutchOpenMovesNothing) {
   EXPECT_GT(hand.target().p.y() - before.p.y(), 0.03);
 }
 
-TEST(SpaceMouse, TakesHoldOfTheNearestBodyAndLetsGo) {
+TEST(SpaceMouse, GripsTheNearestBodyAndReleasesIt) {
   SceneConfig scene = mouse_scene();
   scene.device->grab_radius = 0.05;
   MouseRun hand(scene);
@@ -224,7 +224,7 @@ TEST(SpaceMouse, TouchesNeitherHeapNorSystemInTheLoop) {
   EXPECT_EQ(guard.calls(), 0) << guard.report();
 }
 
-TEST(SpaceMouseKeys, WhatCannotBeIsSaid) {
+TEST(SpaceMouseKeys, InvalidScenesAreReported) {
   using testing::ElementsAre, testing::HasSubstr;
   std::ifstream file(GODOBJECT_SOURCE_DIR "/sim/scenes/spacemouse.toml");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -118,7 +118,7 @@ TEST_P(SessionEngage, NeverMovesTheBodyNorJumpsTheForce) {
 }
 
 /// The body stops following when released, and follows again when gripped.
-TEST_P(SessionFollow, LetsGoAndFollowsAgain) {
+TEST_P(SessionFollow, ReleasesAndFollowsAgain) {
   const Flips engaged{{1000, 1300}};
   const std::unique_ptr<Session> s = session(engaged.csv("tool.engaged", h()));
   CycleRecord record;

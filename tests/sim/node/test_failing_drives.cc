@@ -269,7 +269,7 @@ std::string text_of_boot(DriveProtocol protocol, const std::vector<CanFrame>& an
   return device.rig->fault_text();
 }
 
-TEST(BootTimeout, IsToldByWhatWasHeardOfTheNode) {
+TEST(BootTimeout, IsRecognisedByTheFramesOfTheNode) {
   const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
   const CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
   EXPECT_THAT(text_of_boot(DriveProtocol::cia402, {}, {}), HasSubstr("no frame of it was received"));
@@ -290,7 +290,7 @@ TEST(BootTimeout, IsToldByWhatWasHeardOfTheNode) {
               HasSubstr("operation enabled (6041h = 0237h), its mode 6061h is 8, not 10, bit 12 is not set"));
 }
 
-TEST(BootTimeout, IsToldByTheLengthOfFramesThatWereNotUnderstood) {
+TEST(BootTimeout, IsRecognisedByTheLengthOfFramesThatWereNotUnderstood) {
   const CanFrame operational = canopen::make_heartbeat(id, canopen::NmtState::operational);
   for (const std::uint8_t size : std::initializer_list<std::uint8_t>{0, 1, 4, 5, 7}) {
     CanFrame status = cia402::make_status(id, {.statusword = 0x0250});
@@ -301,7 +301,7 @@ TEST(BootTimeout, IsToldByTheLengthOfFramesThatWereNotUnderstood) {
   }
 }
 
-TEST(BootTimeout, IsToldByWhatAnOdriveReports) {
+TEST(BootTimeout, IsRecognisedByTheReportsOfAnOdrive) {
   const auto heartbeat = [](const odrive::Heartbeat& h) { return odrive::make_heartbeat(id, h); };
   const CanFrame estimates = odrive::make_encoder_estimates(id, {});
   const auto text = [&](const odrive::Heartbeat& h) {

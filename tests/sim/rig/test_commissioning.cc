@@ -288,7 +288,7 @@ TEST(CommissioningErrors, NodeThatFallsSilentMidway) {
                                 HasSubstr("generic-402.toml:"))));
 }
 
-TEST(CommissioningErrors, NodeThatRebootsAgainAndAgain) {
+TEST(CommissioningErrors, NodeThatRebootsRepeatedly) {
   Failing failing;
   Commissioning commissioning(failing.params, failing.profiles, failing.sim.hosts);
   for (int k = 0; k < 400 && !commissioning.done(); ++k) {
