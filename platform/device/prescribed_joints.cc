@@ -4,7 +4,7 @@
 
 namespace godobject {
 
-PrescribedJoints::PrescribedJoints(const SceneConfig& scene) {
+JointPrescriber::JointPrescriber(const SceneConfig& scene) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   if (!driven.empty()) first_driven_ = driven.front();
   for (const JointConfig& joint : scene.joints) {
@@ -19,8 +19,8 @@ PrescribedJoints::PrescribedJoints(const SceneConfig& scene) {
   }
 }
 
-void PrescribedJoints::write(const JointTarget& device, bool valid,
-                             std::span<BodySample> samples) const noexcept {
+void JointPrescriber::write(const JointTarget& device, bool valid,
+                            std::span<BodySample> samples) const noexcept {
   for (const Joint& joint : joints_) {
     BodySample& sample = samples[joint.body];
     sample.valid = valid;

@@ -11,12 +11,12 @@
 
 namespace godobject {
 
-class PrescribedJoints {
+class JointPrescriber {
  public:
-  PrescribedJoints() = default;
+  JointPrescriber() = default;
   /// Allocates; the other functions do not. scene: each coordinate of its prescribed joints must be a joint
   /// of the device's rig.
-  explicit PrescribedJoints(const SceneConfig& scene);
+  explicit JointPrescriber(const SceneConfig& scene);
 
   /// Writes the device's coordinates into the samples of the joints' children. valid: true if the device's
   /// sample is valid.

@@ -59,7 +59,7 @@ class RigDevice final : public HandDevice {
 
   RigParams params_;
   std::vector<std::size_t> bodies_;  // one per handle
-  PrescribedJoints joints_;
+  JointPrescriber joints_;
   std::unique_ptr<RigLink> link_;
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;

@@ -33,7 +33,7 @@ class SimulatedTruth final : public Truth {
   std::vector<std::size_t> driven_;                 // bodies
   std::vector<std::optional<std::size_t>> handle_;  // handle of each driven body, if the rig has one
   bool grips_bodies_ = false;                       // true if one handle moves any held body
-  PrescribedJoints joints_;
+  JointPrescriber joints_;
   std::vector<BodySample> samples_;  // samples of an ideal device
   std::unique_ptr<Engine> engine_;
 };

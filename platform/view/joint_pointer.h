@@ -67,7 +67,7 @@ class JointPointer final : public HandDevice {
   std::vector<CoordinateRange> ranges_;
   KinematicTree tree_;
   std::vector<std::size_t> bodies_;  // one per handle
-  PrescribedJoints prescribed_;
+  JointPrescriber prescribed_;
   Ring<Sample> samples_{64};
 
   // State of the view's thread:
