@@ -31,7 +31,8 @@ void visit_fault(V& v, const DeviceConfig* device, const FaultChecks& checks, Fa
               "duration; default: to the end, or once for an event",
               {.min = 0, .max = 1e6, .min_open = true}},
           f.duration);
-  v.value(Key{"value", "value of the fault, see docs/faults.md", "0: the verb's own default"}, f.value);
+  v.value(Key{"value", "", "value of the fault, with the unit in docs/faults.md; 0: the default of its verb"},
+          f.value);
   const bool has_place = device && (device->rig || !f.tracker.empty());
   v.check(has_place, "verb", "requires a [device] with buses, or a tracker: add one, or remove the fault");
   if (!has_place || checks.why_not_playable == nullptr) return;

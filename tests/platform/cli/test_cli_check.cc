@@ -62,14 +62,14 @@ TEST_F(CliCheck, ResolvesProfilesOnSimulatedBusesToo) {
     return rigid_with("profile = \"generic-402\"", "profile = \"" + profile + "\"");
   };
   expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01", 2,
-              "drive of joint 'turret': profile \"generic-42\": neither in ");
+              "drive of joint 'turret': profile \"generic-42\" was found neither in ");
   expect_both(write("misspelt.toml", scene_with("generic-42")) + " --duration 0.01 --bus sim", 2,
               "the nearest is \"generic-402\"");
   expect_both(write("encoder.toml", scene_with("generic-406")) + " --duration 0.01", 2,
               "device_profile is 406, but the drive of joint 'turret' is a node of CiA 402");
 }
 
-TEST_F(CliCheck, SaysWhatANetIsAndAsksOfAStep) {
+TEST_F(CliCheck, PrintsANetAndItsRequiredStep) {
   const ProgramResult result = run_program("check sim/scenes/endobag.toml");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   for (const char* text : {"950 of 1536 nodes, 2844 of 9216 springs", "at most 768 contacts of nodes at once",
@@ -156,7 +156,7 @@ TEST_F(CliCheck, AMisspeltMotionColumnIsNamedWithTheRightOne) {
   expect_both(rigid + " --motion " + joints, 2, "column 'shoulder' is missing: is 'sholder' misspelt?");
 }
 
-TEST_F(CliCheck, ABadNodeIdIsToldOnceAsItIsWritten) {
+TEST_F(CliCheck, ABadNodeIdIsReportedOnceAsItIsWritten) {
   const std::string scene = write("id.toml", rigid_with("node_id = 2\n", "node_id = 200\n"));
   const ProgramResult result = run_program("check " + scene);
   EXPECT_EQ(result.exit_code, 2);

@@ -81,10 +81,10 @@ TEST(ArticulatedScene, WhatIsNoTreeIsRefusedByTheNamesOfItsJoints) {
 
 TEST(ArticulatedScene, UnknownBodiesAndTakenNamesAreRefused) {
   EXPECT_THAT(errors_of(joint("q", "hinge", "arm", "a")),
-              ElementsAre(AllOf(HasSubstr("a.toml:18:"), HasSubstr("'parent' is \"arm\", which is no body"),
+              ElementsAre(AllOf(HasSubstr("a.toml:18:"), HasSubstr("'parent' is \"arm\", which is not a body"),
                                 HasSubstr("\"world\", \"a\", \"b\", \"c\""))));
   EXPECT_THAT(errors_of(joint("q", "hinge", "world", "d")),
-              ElementsAre(HasSubstr("'child' is \"d\", which is no body")));
+              ElementsAre(HasSubstr("'child' is \"d\", which is not a body")));
   EXPECT_THAT(errors_of("[[joint]]\nname = \"q\"\n"), ElementsAre(HasSubstr("required key 'child'")));
   EXPECT_THAT(
       errors_of(joint("q", "hinge", "world", "a") + joint("q", "hinge", "a", "b", "coordinates = [\"r\"]\n")),
@@ -205,7 +205,7 @@ TEST(ArticulatedScene, BodiesBelowAJointThatIsApartMoveWithIt) {
   EXPECT_LT((loaded.scene->bodies[1].X_WB.p - Vec3(0.2, 0, 0)).norm(), 1e-15);
 }
 
-TEST(ArticulatedScene, ImposedJointsNeedADeviceThatMeasuresThem) {
+TEST(ArticulatedScene, PrescribedJointsNeedADeviceThatMeasuresThem) {
   const std::string tool = body("a", "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n") +
                            body("b") + joint("p", "hinge", "world", "a") +
                            joint("q", "hinge", "a", "b", "imposed = true\n");

@@ -105,7 +105,7 @@ TEST(MeshFile, SaysWhereItIsWrong) {
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "face 6", "face many")),
               HasSubstr("line 8: 'many' is not a number of elements"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "float z", "half z")),
-              HasSubstr("line 7: 'half' is no type"));
+              HasSubstr("line 7: 'half' is not a type"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "vertex_indices", "strips")),
               HasSubstr("no list vertex_indices"));
   EXPECT_THAT(why_not("a.ply", changed(cube_ply(), "element face", "element gap 7\nelement face")),

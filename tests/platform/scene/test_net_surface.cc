@@ -58,7 +58,7 @@ void each_drawn(const Check& check) {
     }
 }
 
-TEST(NetSurface, EdgesAreNearlyAsLongAsAskedFor) {
+TEST(NetSurface, EdgesAreNearlyAsLongAsSpecified) {
   each_drawn([](const Drawn& d, const MeshData& surface) {
     for (const SurfaceEdge& e : edges_of(surface)) {
       EXPECT_GT(e.length, 0.75 * *d.net.spacing);
@@ -160,7 +160,7 @@ TEST(NetSurface, AreasOfVerticesAddUp) {
   });
 }
 
-TEST(NetSurface, SpacingThatFitsIsSaid) {
+TEST(NetSurface, SpacingThatFitsIsReported) {
   for (const double spacing : {1e-3, 1e-7, 1e-100, 1e-320}) {
     NetConfig net;
     net.kind = NetKind::capsule;
@@ -198,7 +198,7 @@ TEST(NetSurface, WhatIsNoneIsRefusedWithItsPlace) {
 
   MeshData flat = square();
   flat.vertices[3] = Vec3(0.5, 0.5, 0);
-  EXPECT_THAT(why_no_net(flat), HasSubstr("triangle 2 at (0.0, 0.0, 0.0) has next to no area"));
+  EXPECT_THAT(why_no_net(flat), HasSubstr("triangle 2 at (0.0, 0.0, 0.0) has almost no area"));
 
   MeshData three = square();
   three.vertices.emplace_back(0.5, 0.5, 1);

@@ -70,7 +70,7 @@ TEST(HoldKeys, OnlyCoupledBodiesCanBeHeld) {
   EXPECT_THAT(errors_of(bricks("holds = \"post\"\n")),
               ElementsAre(HasSubstr("'holds' is \"post\", which has no [body.coupling]: add it")));
   EXPECT_THAT(errors_of(bricks("holds = \"blue\"\n")),
-              ElementsAre(HasSubstr("is \"blue\", which is no body")));
+              ElementsAre(HasSubstr("is \"blue\", which is not a body")));
   EXPECT_THAT(errors_of(bricks("", "[[motion.hold]]\ntime = 1\nbody = \"post\"\n")),
               ElementsAre(HasSubstr("has no [body.coupling]")));
 }
@@ -199,7 +199,7 @@ TEST_P(ScriptedHolds, OneBodyIsDrivenAtATime) {
 }
 
 /// The displayed wrench is about the hand, though the brick is 0.1 m off.
-TEST_P(ScriptedHolds, TheHandFeelsTheHeldBodyAboutItsOwnOrigin) {
+TEST_P(ScriptedHolds, TheDisplayedWrenchIsAboutTheOriginOfTheHand) {
   const SceneConfig s = scene("holds = \"green\"\n");
   const std::unique_ptr<Session> session = session_of(s, Motion(s));
   CycleRecord record = session->at_start();
