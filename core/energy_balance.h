@@ -92,13 +92,7 @@ class EnergyBalance {
   }
 
   static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {
-    Real T = 0;
-    for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, x.bodies[i].x);
-    if constexpr (uses<NodesOf<S>>)
-      for (std::size_t j = 0; j < num_nodes(par); ++j)
-        T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
-    if constexpr (uses<NetOf<S>>) T += net_kinetic_energy(par, x);
-    return T;
+    return kinetic_energy_of(par, MotionsOfState<S>{x});
   }
 
  private:

@@ -51,7 +51,7 @@ struct WithCarrier {
 
 /// Flying group: the nodes of a net without a carrier.
 struct WithoutCarrier {
-  const FloatingNet& nodes;
+  const NodeRow& nodes;
 
   template <class F>
   void each_body(F) const noexcept {}
@@ -183,7 +183,7 @@ void restore_angular_momentum(const Params<S>& par, const State<S>& x, const Fly
 template <Scene S>
 void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;
-  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (of.flies) restore_angular_momentum(par, x, WithoutCarrier{nodes}, w);
   });
   if (net.attached().empty()) {

@@ -76,9 +76,9 @@ struct NodePlace {
   std::uint32_t group = 0, lane = 0;
 };
 
-/// Nodes [first, end) which springs join to no others. The net floats if no anchor of theirs pulls: their
-/// dampers act on the deviation from their rigid motion (57).
-struct FloatingNet {
+/// Nodes [first, end) which springs join to no others. The row floats if no anchor of it pulls: its dampers
+/// act on the deviation from its rigid motion (57).
+struct NodeRow {
   std::uint32_t first = 0, end = 0;
 
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
@@ -98,9 +98,9 @@ struct NetParams {
   std::array<NodeGroup, max_nodes> groups;
   std::size_t num_groups = 0;
   std::array<SpringSlot, max_springs> slots;
-  std::array<NodePlace, max_nodes> places;              // of the nodes in the groups
-  std::array<FloatingNet, max_nodes / 2 + 1> floating;  // nets of two nodes or more
-  std::size_t num_floating = 0;
+  std::array<NodePlace, max_nodes> places;      // of the nodes in the groups
+  std::array<NodeRow, max_nodes / 2 + 1> rows;  // of two nodes or more
+  std::size_t num_rows = 0;
   int max_iterations = 12;  // of conjugate gradients in a stage
   // m/s^3: the iteration ends if no velocity changes by more than this times h^2, h of the stage. Residuals
   // add up over the steps, so they decrease like the integrator's error.
