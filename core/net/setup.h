@@ -33,8 +33,7 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   find_rows(par);
 }
 
-/// Finds the rows of nodes that springs do not join to others. A row floats or not by its anchors, in each
-/// stage.
+/// Finds the rows of nodes that springs join to no others. Their anchors decide in each stage if they float.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void find_rows(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   par.num_rows = 0;
