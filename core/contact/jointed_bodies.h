@@ -255,12 +255,14 @@ template <class Contacts, std::size_t N, class Impulses>
                                                BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& all = w.graph.joints;
   Missing<Contacts, N> missing;
+  std::array<Vec3, N> before;
   std::array<bool, Missing<Contacts, N>::max> is_near{}, is_on_world{};
   each_link(w, [&](const Link& link) noexcept {
     is_near[link.a] = true;
     if (link.b != Link::on_world) is_near[link.b] = true;
     else is_on_world[link.a] = true;
   });
+  for (std::size_t i = 0; i < N; ++i) before[i] = w.wrenches[i].f;
   for (std::size_t root = 0; root < num_bodies; ++root) {
     if (!all.joined[root] || all.edges[root].kind != JointKind::free) continue;
     Vec3 sum = Vec3::Zero();
@@ -274,7 +276,7 @@ template <class Contacts, std::size_t N, class Impulses>
   }
   pass_on(missing, w);
   for (std::size_t i = 0; i < num_bodies; ++i)
-    if (all.joined[i]) F[i].v -= Column(Vec3(missing.given[i] * h));
+    if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i] + missing.by_net[i]) * h));
 }
 
 /// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts, plus

@@ -86,16 +86,16 @@ const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& 
   return one;
 }
 
-/// Forces on ends, N. F_W: missing forces, which move the ends beyond their contact forces. given: forces
-/// added to their contacts and attachments so far. by_net: the share of `given` on their nodes and by
-/// attachments.
+/// Forces on ends, N. F_W: missing forces, which move the ends beyond their contact forces. by_net: forces
+/// added to contacts of their nodes and to attachments, which are in no wrench.
 template <class Contacts, std::size_t N>
 struct Missing {
   static constexpr std::size_t max = max_ends<Contacts, N>();
-  std::array<Vec3, max> F_W, given, by_net;
+  std::array<Vec3, max> F_W, by_net;
 
   Missing() noexcept {
-    for (auto* all : {&F_W, &given, &by_net}) all->fill(Vec3::Zero());
+    F_W.fill(Vec3::Zero());
+    by_net.fill(Vec3::Zero());
   }
 };
 
@@ -139,24 +139,24 @@ template <class Contacts, std::size_t N>
 void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr std::size_t max = Missing<Contacts, N>::max;
   std::array<std::uint32_t, max> order;  // ends of a tree
-  std::array<Link, max> by;              // to the one before
-  std::array<bool, max> has_link, is_reached{};
+  std::array<Link, max> by, on_world;    // to the end before; to the world
+  std::array<bool, max> has_link, is_reached{}, is_linked{}, is_on_world{};
   std::uint32_t num_ends = N;
   if constexpr (Contacts::has_net)
     if (w.net.num_nodes > 0) num_ends += static_cast<std::uint32_t>(w.net.par->num_rows);
+  each_link(w, [&](const Link& link) noexcept {
+    is_linked[link.a] = true;
+    if (link.b != Link::on_world) {
+      is_linked[link.b] = true;
+    } else if (!is_on_world[link.a] || link.kind != Link::Kind::attachment) {
+      is_on_world[link.a] = true;
+      on_world[link.a] = link;
+    }
+  });
   const auto joined = [&](std::uint32_t i) noexcept { return i < N && is_joined(i, w); };
   for (const int rank : {0, 1, 2})
     for (std::uint32_t root = 0; root < num_ends; ++root) {
-      if (is_reached[root]) continue;
-      bool is_on_world = false;
-      Link on_world;
-      each_link(w, [&](const Link& link) noexcept {
-        if (link.a != root || link.b != Link::on_world) return;
-        if (is_on_world && link.kind == Link::Kind::attachment) return;
-        is_on_world = true;
-        on_world = link;
-      });
-      if (rank != (is_on_world ? 0 : joined(root) ? 1 : 2)) continue;
+      if (is_reached[root] || rank != (is_on_world[root] ? 0 : joined(root) ? 1 : 2)) continue;
       std::size_t size = 0;
       const auto reach = [&](std::uint32_t i, bool has, const Link& link) noexcept {
         if (is_reached[i]) return;
@@ -165,8 +165,8 @@ void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) 
         by[size] = link;
         order[size++] = i;
       };
-      reach(root, is_on_world, on_world);
-      for (std::size_t n = 0; n < size; ++n)
+      reach(root, is_on_world[root], on_world[root]);
+      for (std::size_t n = 0; n < size && is_linked[root]; ++n)
         each_link(w, [&](const Link& link) noexcept {
           if (link.b == Link::on_world) return;
           if (link.a == order[n]) reach(link.b, true, link);
@@ -182,13 +182,9 @@ void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) 
         }
         add_to_link(by[n], i, F_W, w);
         const std::uint32_t next = by[n].a == i ? by[n].b : by[n].a;
-        const auto give = [&](std::uint32_t to, const Vec3& F) noexcept {
-          missing.given[to] += F;
-          if (is_by_net(by[n], to, w)) missing.by_net[to] += F;
-        };
-        give(i, F_W);
+        if (is_by_net(by[n], i, w)) missing.by_net[i] += F_W;
         if (next == Link::on_world) continue;
-        give(next, -F_W);
+        if (is_by_net(by[n], next, w)) missing.by_net[next] -= F_W;
         missing.F_W[next] += F_W;
       }
     }
