@@ -40,7 +40,7 @@ struct TrBdf2 {
   static constexpr Real c = 2 * d;
   static constexpr Real b = 0.35355339059327376;
 
-  /// Advances all bodies by one step, from x to w.next, through the targets of w.pulls.
+  /// Advances all bodies by one step, from x to w.next, through the targets of w.coupling_inputs.
   template <Scene S>
   static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     const Begin begin = first_acceleration(par, x, w);
@@ -55,8 +55,9 @@ struct TrBdf2 {
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
-    // Retake the step as two implicit Euler stages: the set of active contacts or stops (19) changed, joints
-    // did not converge (39), net springs gained energy (46), or a body left the searched region.
+    // Retake the step as two implicit Euler stages. Reasons: the set of active contacts or stops (19)
+    // changed, joints did not converge (39), net springs gained energy (46), or a body left the searched
+    // region.
     unsolved
   };
 
@@ -108,10 +109,10 @@ struct TrBdf2 {
     const Real bh = b * h;
     begin_stage<S>({.t_0 = still_smooth ? bh : dh,
                     .t_1 = still_smooth ? bh : h_1,
-                    .relaxing = (1 - c) * h,
+                    .relaxation_time = (1 - c) * h,
                     .continues_step = true,
                     .is_euler = !still_smooth,
-                    .ahead = still_smooth ? 2 * (b - d) * h : 0},  // from y_1 to the base
+                    .extrapolated_time = still_smooth ? 2 * (b - d) * h : 0},  // from y_1 to the base
                    w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved || (still_smooth && has_penetration_jump(w))) return StepEnd::unsolved;
@@ -179,8 +180,9 @@ struct TrBdf2 {
       recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
         w.inside[g] = interpolated<T>(
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), end, h);
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.coupling_inputs[i].from; }),
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.coupling_inputs[i].to; }), end,
+            h);
     }
     start_nodes(par, x, dh, w);
     start_coordinates(par, x, w);
@@ -188,7 +190,7 @@ struct TrBdf2 {
     prescribe_joints(par, end, w);
     prescribe_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
-    begin_stage<S>({.t_0 = dh, .relaxing = c * h, .ahead = dh}, w);
+    begin_stage<S>({.t_0 = dh, .relaxation_time = c * h, .extrapolated_time = dh}, w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }
@@ -269,7 +271,7 @@ struct TrBdf2 {
       smooth = smooth && (y.memory.known || x.tick == 0) && turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
                h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= max_swing_change * max_swing_change;
       known = known && y.memory.known;
-      if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
+      if constexpr (uses<typename S::Device>) known = known && !w.coupling_inputs[i].fresh;
     }
     if (smooth && known) return Begin::from_memory;
     return smooth && may_start_without_acceleration(par, x) ? Begin::without_acceleration

@@ -114,8 +114,8 @@ template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 
 // Rejects a part in the wrong slot here instead of deep within the step.
-template <class S> concept DeviceGivesPulls = !uses<typename S::Device> || requires {
-  &S::Device::pull;
+template <class S> concept DeviceGivesCouplingInputs = !uses<typename S::Device> || requires {
+  &S::Device::coupling_input;
   typename S::Device::Input;
 };
 template <class S> concept JointsAreTreeJoints = !uses<typename S::Joints> || requires {
@@ -182,7 +182,7 @@ template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
-concept PartsAreParts = DeviceIsAPart<S> && DeviceGivesPulls<S> && JointsAreAPart<S> &&
+concept PartsAreParts = DeviceIsAPart<S> && DeviceGivesCouplingInputs<S> && JointsAreAPart<S> &&
     JointsAreTreeJoints<S> && CouplingIsAPart<S> && CouplingIsASpring<S> && FeedbackIsAPart<S> &&
     FeedbackIsLimited<S> && ContactsAreAPart<S> && ContactsAreFixedOrBodyContacts<S> &&
     NodesAreANodeList<S> && TermsAreATermList<S> && NetIsAMassSpringNet<S>;
@@ -261,7 +261,7 @@ using NodeState = NodeStateOf<Slot<typename S::Integrator::NodeMemory, 0>>;
 template <class S>
 using NodeStates = std::conditional_t<uses<NodesOf<S>>, std::array<NodeState<S>, max_nodes<S>>, Absent<18>>;
 
-/// The state of nets: their nodes, and what contacts of these carry over.
+/// State of nets: nodes, and the memory of their contacts.
 template <class S>
 struct NetState {
   std::array<NodeState<S>, NetOf<S>::max_nodes> nodes;
@@ -282,11 +282,11 @@ struct State {
       forces;  // last stage
 };
 
-/// A part for every body, or nothing for all.
+/// Part for every body; empty if the type is empty.
 template <class S, class T, int slot>
 using SlotOfAll = std::conditional_t<std::is_empty_v<T>, Absent<slot>, std::array<T, S::max_bodies>>;
 
-/// From the devices, once per step: the sample at the END of the step.
+/// Inputs from the devices, once per step: the sample at the END of the step.
 template <class S>
 struct Input {
   std::array<typename S::Device::Input, S::max_bodies> devices;

@@ -90,17 +90,17 @@ inline bool is_valid(const ContactLaw& law) noexcept {
 }
 
 /// Validates the contacts of bodies numbered below num_bodies. on_bodies: surfaces may belong to bodies.
-/// is_there(i): true if i is the number of a body or node.
-template <std::size_t max_spheres, std::size_t max_surfaces, class IsThere>
+/// exists(i): true if i is the number of a body or node.
+template <std::size_t max_spheres, std::size_t max_surfaces, class Exists>
 Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
-                           bool on_bodies, IsThere is_there) noexcept {
+                           bool on_bodies, Exists exists) noexcept {
   if (par.num_spheres > max_spheres) return Invalid::contact_sphere;
   if (par.num_surfaces > max_surfaces) return Invalid::contact_surface;
   std::size_t body = 0;
   for (std::size_t s = 0; s < par.num_spheres; ++s) {
     const BodySphere& sphere = par.spheres[s];
     const bool placed = is_dimension(sphere.radius) && sphere.p_B.sum() - sphere.p_B.sum() == 0;
-    if (!placed || !is_there(sphere.body) || sphere.body < body || sphere.material >= max_materials)
+    if (!placed || !exists(sphere.body) || sphere.body < body || sphere.material >= max_materials)
       return {Invalid::contact_sphere, s};
     body = sphere.body;
   }
@@ -129,12 +129,12 @@ bool is_valid(const Nodes& par) noexcept requires requires {
   for (std::size_t j = 0; valid && j < par.size; ++j) valid = par.list[j].m > 0 && is_gain(par.list[j].m);
   return valid;
 }
-/// True if all terms are valid. is_there(i): true if i is the number of a body or node.
-template <class... Terms, class IsThere>
-bool are_valid(const std::tuple<Terms...>& par, IsThere is_there) noexcept {
+/// True if all terms are valid. exists(i): true if i is the number of a body or node.
+template <class... Terms, class Exists>
+bool are_valid(const std::tuple<Terms...>& par, Exists exists) noexcept {
   const auto valid = [&](const auto& terms) noexcept {
     bool all = terms.size <= terms.list.size();
-    for (std::size_t t = 0; all && t < terms.size; ++t) all = is_valid(terms.list[t], is_there);
+    for (std::size_t t = 0; all && t < terms.size; ++t) all = is_valid(terms.list[t], exists);
     return all;
   };
   return std::apply([&](const auto&... terms) noexcept { return (valid(terms) && ...); }, par);
@@ -163,7 +163,7 @@ Validity validate(const Params<S>& par) noexcept {
     }
   }
   if constexpr (uses<ContactsOf<S>>) {
-    const auto is_there = [&](std::size_t i) noexcept {
+    const auto exists = [&](std::size_t i) noexcept {
       return i < par.num_bodies || (i >= S::max_bodies && i < S::max_bodies + num_nodes(par));
     };
     if constexpr (uses<NodesOf<S>>)
@@ -173,8 +173,8 @@ Validity validate(const Params<S>& par) noexcept {
       if (!are_valid_attachments(par.net, par.num_bodies)) return Invalid::net_attachment;
     }
     if constexpr (uses<TermsOf<S>>)
-      if (!are_valid(par.terms.of_kinds, is_there)) return Invalid::term;
-    return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies, is_there);
+      if (!are_valid(par.terms.of_kinds, exists)) return Invalid::term;
+    return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies, exists);
   }
   return Invalid::nothing;
 }

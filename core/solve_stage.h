@@ -100,7 +100,7 @@ class SubstepContacts {
       w.contacts.stage =
           k == 0 ? stage_
                  : ContactStage{.found = w.contacts.report.found, .continues_step = true, .follows = true};
-      w.contacts.stage.relaxing = stage_.relaxing / substeps;
+      w.contacts.stage.relaxation_time = stage_.relaxation_time / substeps;
       if (k > 0) return;
       w.contacts.last = last_;
       if constexpr (has_stages<S>) w.contacts.memories[last_].assign(w.iteration.of_stage_before);

@@ -222,7 +222,7 @@ inline constexpr int bridged_steps = 3;
 /// during the second. The softest of the swept couplings catches up in it.
 inline constexpr Real quiet_after_gap = 0.25, growth_after_gap = 0.25;
 /// s. A gripped body stays gripped over shorter gaps, because the ramp corrects its motion in that time.
-inline constexpr Real grip_lasts = 0.1;
+inline constexpr Real max_gap_with_grip = 0.1;
 /// After a bridged gap the feedback may not grow for this multiple of the gap. Meanwhile the bridge's error
 /// decays in the coupling, to 3 %.
 inline constexpr Real recovery_per_gap = 30;

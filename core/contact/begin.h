@@ -7,13 +7,14 @@
 namespace godobject {
 
 /// Returns the law of contacts in a stage of length h.
-/// m: mass of the lighter body. relaxing: time over which e is relaxed, s. on_world: e may be below the depth
+/// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s. on_world: e may be below the depth
 /// without bound.
 template <class Contacts>
-StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing, bool on_world) noexcept {
+StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
+                           bool on_world) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real eta_t = h * law.k_t + law.c_t, per_eta_t = law.k_t > 0 ? 1 / eta_t : 0,
-             by = relaxing * law.push_out, stored = max_stored_penetration(law, m),
+             by = relaxation_time * law.push_out, stored = max_stored_penetration(law, m),
              most = max_relaxation * stored;
   return {.k = law.k,
           .eta_n = h * law.k + law.c,
@@ -23,8 +24,8 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxing,
           .mu = law.mu,
           .kept = law.c_t * per_eta_t,
           .given = h * per_eta_t,
-          .relaxed = Contacts::between_bodies ? std::min(by, most) : by,
-          .behind = on_world ? infinity : std::min(max_pushed_steps * by, most),
+          .max_decrease = Contacts::between_bodies ? std::min(by, most) : by,
+          .max_lag = on_world ? infinity : std::min(max_pushed_steps * by, most),
           .max_stored_penetration = stored};
 }
 
@@ -66,8 +67,8 @@ StageLawOf<Pack> each_number(F of) noexcept {
           .mu = of(&Law::mu),
           .kept = of(&Law::kept),
           .given = of(&Law::given),
-          .relaxed = of(&Law::relaxed),
-          .behind = of(&Law::behind),
+          .max_decrease = of(&Law::max_decrease),
+          .max_lag = of(&Law::max_lag),
           .max_stored_penetration = of(&Law::max_stored_penetration)};
 }
 inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
@@ -78,15 +79,15 @@ inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noex
 /// Returns the laws of near contacts. law_of(contact): its law. mostly: the most frequent law, `law` in the
 /// stage; others are stage_law(law). Contacts in unused lanes carry no force.
 template <class LawOf, class OfStage>
-StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& mostly, const StageLawOf<Real>& law,
+StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, const StageLawOf<Real>& law,
                          LawOf law_of, OfStage stage_law) noexcept {
   bool alike = true;
-  for (std::uint32_t j = 0; j < 4; ++j) alike = alike && &law_of(*near.of[j]) == &mostly;
+  for (std::uint32_t j = 0; j < 4; ++j) alike = alike && &law_of(*near.of[j]) == &common_law;
   if (alike && near.size == 4) return each_number([&](auto number) noexcept { return Pack(law.*number); });
   std::array<StageLawOf<Real>, 4> each{};
   for (std::uint32_t j = 0; j < near.size; ++j) {
     const ContactLaw& its = law_of(*near.of[j]);
-    each[j] = &its == &mostly ? law : stage_law(its);
+    each[j] = &its == &common_law ? law : stage_law(its);
   }
   return gathered(each);
 }
@@ -101,22 +102,22 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
                                   [[maybe_unused]] PenetrationJumps& penetration_jumps,
                                   InitialMemoryPack& initial, ContactPack& pack) noexcept {
   const auto past_by = [&](auto& recall) noexcept {
-    return gathered({recall.find_or_none(near.of[0]->key), recall.find_or_none(near.of[1]->key),
-                     recall.find_or_none(near.of[2]->key), recall.find_or_none(near.of[3]->key)});
+    return gathered({recall.find_or_empty(near.of[0]->key), recall.find_or_empty(near.of[1]->key),
+                     recall.find_or_empty(near.of[2]->key), recall.find_or_empty(near.of[3]->key)});
   };
   const ContactPastOf<Pack> by_step = past_by(of_step);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
   // extrapolated approach to the start of the stage counts as measured; unnoticed approach within a stage
   // does not
-  const Pack closed = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
-  const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .closed = closed};
+  const Pack approach = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
+  const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .approach = approach};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
     if constexpr (std::is_same_v<PenetrationJumps, bool>) {
       const auto deeper =
           are_penetration_jumps(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
       penetration_jumps =
-          penetration_jumps || (stage.ahead > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
+          penetration_jumps || (stage.extrapolated_time > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
     }
     return recalled(law, stage, by_step, by_stage, start);
   };
@@ -174,16 +175,16 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
   const Vector3<Pack> p_W = w.finder.at[one.a].p_W.template cast<Pack>();
   const auto law = [&](const ContactLaw& of) noexcept {
-    return stage_law<Contacts>(of, m, h, w.stage.relaxing, on_world);
+    return stage_law<Contacts>(of, m, h, w.stage.relaxation_time, on_world);
   };
   const auto law_of_contact = [&](const NearContact& near) noexcept -> const ContactLaw& {
     return law_of(par, near);
   };
-  const ContactLaw& mostly = law_of(par, one);
-  const StageLawOf<Real> its_law = law(mostly);
+  const ContactLaw& common_law = law_of(par, one);
+  const StageLawOf<Real> law_in_stage = law(common_law);
   for (std::uint32_t i = group.first; i < group.end; i += 4, ++first) {
     const NearFour near(&w.near.list[i], group.end - i);
-    found += begin_four(near, laws_of(near, mostly, its_law, law_of_contact, law), near.sides(one.a),
+    found += begin_four(near, laws_of(near, common_law, law_in_stage, law_of_contact, law), near.sides(one.a),
                         near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.penetration_jumps,
                         w.initial[first], w.packs[first]);
   }

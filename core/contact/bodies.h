@@ -32,7 +32,7 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   ContactSums sums;
   bool touches = false;
   for (std::size_t i = first; i < end; ++i) {
-    if (!any(packs[i].touching > 0)) continue;
+    if (!any(packs[i].active > 0)) continue;
     touches = true;
     add<tangents>(packs[i], h, sums);
   }
@@ -118,10 +118,10 @@ bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& 
   most = {};
   const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
-  [[maybe_unused]] bool turned = false;  // friction given along a slip (50) does work on it
+  [[maybe_unused]] bool turned = false;  // true if friction predicted along a slip (50) does work on it
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
     if constexpr (std::is_same_v<V, PackVelocity>) {
-      turned = turned || is_turned_round(c);
+      turned = turned || is_slip_reversed(c);
       update_modes<true>(c, next, F_small, most, predicted_slip(v.number, h, w.net));
     } else update_modes<FrictionSearch::tangents>(c, next, F_small, most);
     changed = changed || c.changed;
@@ -143,15 +143,15 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
 }
 
 /// Termination criteria of the iterations of a coupled system.
-struct Solving {
+struct SolverLimits {
   bool has_contacts = false;
-  int most_iterations = 0;              // in all Newton iterations
-  Real tolerance = velocity_tolerance;  // m/s
+  int iteration_limit = 0;              // limit of iterations, in all Newton iterations
+  Real tolerance = velocity_tolerance;  // m/s, of all velocities
 
   /// Returns the limit for the next Newton iteration: a share of the remaining iterations, because contacts
   /// may change their modes afterwards.
-  int allowed(int iterations) const noexcept {
-    const int left = most_iterations - iterations;
+  int next_limit(int iterations) const noexcept {
+    const int left = iteration_limit - iterations;
     return has_contacts ? (left + net_iteration_divisor - 1) / net_iteration_divisor : left;
   }
 };
@@ -162,7 +162,7 @@ inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residu
 /// Stores the impulses on bodies of an island beyond their contact forces, as far as joints do not carry
 /// them.
 template <class Contacts, std::size_t N>
-void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+void store_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.is_unbalanced = true;
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
     if constexpr (Contacts::jointed)
@@ -173,18 +173,18 @@ void keep_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) n
 
 /// Solves for the velocities of the bodies of an island. V_0: predicted velocities.
 template <class System, class Contacts, std::size_t N>
-GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving& how, System& system,
+GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLimits& how, System& system,
                                     BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
   using FrictionSearch = std::conditional_t<System::is_coupled, FrictionOnNets, FrictionSearchOf<Contacts>>;
   ContactResidual most;
   each_pack(x.V_0, island, w,
             [](ContactPack& c, const auto& V) noexcept { predict<FrictionSearch::tangents>(c, V); });
-  constexpr int most_iterations = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
+  constexpr int iteration_limit = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
   bool done = false;
-  for (; !done && newton_iterations < most_iterations; ++newton_iterations) {
+  for (; !done && newton_iterations < iteration_limit; ++newton_iterations) {
     if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(h, newton_iterations == 0, island, w);
     bool converged = true;
@@ -194,34 +194,38 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const Solving&
       left = 0;
     } else {
       const bool searches = pass_of<FrictionSearch>(newton_iterations) != Pass::unchanged;
-      const int allowed = System::is_coupled ? how.allowed(iterations)
-                          : searches         ? max_cg_iterations_searching
-                                             : max_cg_iterations;
+      const int next_limit = System::is_coupled ? how.next_limit(iterations)
+                             : searches         ? max_cg_iterations_searching
+                                                : max_cg_iterations;
       factorize(w.system);
-      const Iterated taken = iterate(allowed, how.tolerance, system, x, [&](auto u, const auto& V) noexcept {
-        return speed_sq_of(w.stages, u, V);
-      });
+      const Iterated taken =
+          iterate(next_limit, how.tolerance, system, x,
+                  [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
       converged = taken.converged;
       iterations += taken.iterations;
-      if constexpr (System::is_coupled) compute_residual(system, x);
+      if constexpr (System::is_coupled) {
+        compute_residual(system, x);
+        w.net.is_balanced = true;
+      }
       left = largest_residual(system, w);
     }
     if (move_contacts(island, w)) {
       // predicted velocities solve no system, so nothing is lost by leaving them
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
+      if constexpr (System::is_coupled) w.net.is_balanced = false;
     }
     done = update_contact_modes<FrictionSearch>(newton_iterations, h, island, w, most);
     if constexpr (System::is_coupled) {
       w.net.is_solved = done && converged;
-      done = w.net.is_solved || iterations >= how.most_iterations;
+      done = w.net.is_solved || iterations >= how.iteration_limit;
     } else {
       done = done && left <= FrictionSearch::normal_tolerance(newton_iterations) * h * most.F_n();
     }
     system.each([&](auto u) noexcept { x.V_0[u] = x.V[u]; });
   }
   if constexpr (Contacts::between_bodies && !System::is_coupled)
-    if (left > 0) keep_unbalanced(island, w);
+    if (left > 0) store_unbalanced(island, w);
   const Real residual = std::max(left / h, most.worst());
   if constexpr (System::is_coupled) {
     w.net.report = {.iterations = iterations,
@@ -289,11 +293,11 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
 /// which then equal the change of momentum.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  std::array<Vec3, N> missing;
+  Missing<Contacts, N> missing;
   for (std::size_t i = 0; i < N; ++i) {
     const SpatialVector F = w.unbalanced[i] * (1 / h);
     w.wrenches[i].tau += F.w.vec();
-    missing[i] = F.v.vec();
+    missing.F_W[i] = F.v.vec();
   }
   pass_on(missing, w);
 }

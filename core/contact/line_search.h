@@ -9,13 +9,14 @@
 // for any assumed modes.
 #pragma once
 
+#include "core/contact/pass_on.h"
 #include "core/contact/unbalanced.h"
 #include "core/tuning.h"
 
 namespace godobject {
 
-/// Calls f(pack, velocity of its body, or against the other body of its pair) for all contacts of an island;
-/// with those of nets if V has their nodes.
+/// Calls f(pack, V_c) for all contacts of an island; with those of nets if V has their nodes. V_c: velocity
+/// of its body, or relative to the other body of its pair.
 template <class Velocities, class Contacts, std::size_t N, class F>
 void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
@@ -45,36 +46,36 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
   for (std::size_t i = 0; i < packs.size; ++i) {
     const LinePack& c = packs.list[i];
     const Pack F_n = c.F_n - c.by * t;
-    slope += (c.touching * F_n - max(F_n, Pack(0))) * c.v_n;
-    curvature += (mode_of(F_n) - c.touching) * c.by * c.v_n;
+    slope += (c.active * F_n - max(F_n, Pack(0))) * c.v_n;
+    curvature += (mode_of(F_n) - c.active) * c.by * c.v_n;
   }
   return {.slope = line.slope + t * line.curvature + h * total(slope),
           .curvature = line.curvature + h * total(curvature)};
 }
 
-/// Lists the contacts of an island that change their modes for step lengths in [0, most]. Normal velocities:
+/// Lists the contacts of an island that change their modes for step lengths in [0, t_max]. Normal velocities:
 /// from(pack) + t by(pack).
 template <class Contacts, std::size_t N, class From, class By>
-void find_mode_changes(Real most, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
+void find_mode_changes(Real t_max, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
                        By by) noexcept {
   w.line.size = 0;
   each_pack(island, w, [&](const ContactPack& c) noexcept {
     const Pack v_n = by(c), F_n = c.F_0 - c.eta_n * from(c), F_by = c.eta_n * v_n;
-    if (differ(mode_of(F_n), c.touching) || differ(mode_of(F_n - F_by * most), c.touching))
-      w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .touching = c.touching};
+    if (differ(mode_of(F_n), c.active) || differ(mode_of(F_n - F_by * t_max), c.active))
+      w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .active = c.active};
   });
 }
 
-/// Finds t in [0, most] with -tolerance <= dE/dt <= 0 by Newton's method safeguarded with bisection. dE/dt is
-/// monotone because E is convex. Newton starts at 1, and most >= 1.
+/// Finds t in [0, t_max] with -tolerance <= dE/dt <= 0 by Newton's method safeguarded with bisection. dE/dt is
+/// monotone because E is convex. Newton starts at 1, and t_max >= 1.
 template <class Slope>
-Real exact_line_search(Real most, Real tolerance, Slope slope_at) noexcept {
-  Real lo = 0, hi = most, t = 1;
+Real exact_line_search(Real t_max, Real tolerance, Slope slope_at) noexcept {
+  Real lo = 0, hi = t_max, t = 1;
   for (int k = 0; k < max_line_steps; ++k) {
     const LineSlope at = slope_at(t);
     if (at.slope <= 0) {
       lo = t;
-      if (at.slope >= -tolerance || t == most) break;
+      if (at.slope >= -tolerance || t == t_max) break;
     } else {
       hi = t;
     }
@@ -86,7 +87,7 @@ Real exact_line_search(Real most, Real tolerance, Slope slope_at) noexcept {
 
 /// True if a contact is not in the mode that was solved for.
 inline bool has_changed_mode(const ContactPack& c) noexcept {
-  return differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.touching);
+  return differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.active);
 }
 
 /// Computes the velocities of the contact points at V, and stores their normal velocities at V_0 in v_n_0.
@@ -131,7 +132,7 @@ void search_line(Real h, const Island& island, const System& system,
 
 /// True if an island is free: no contact, joint or term with the world, and no device.
 template <class Contacts, std::size_t N>
-bool is_by_itself(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+bool is_free_island(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool is = !island.has_terms;
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
     is = is && body.first_pack == body.end_pack && !w.stages[i].is_held;
@@ -151,7 +152,7 @@ struct IslandTranslation {
                     BodyContactScratch<Contacts, N>& scratch) noexcept
       : w(scratch) {
     if constexpr (!is_zero) {
-      if (!is_by_itself(island, scratch)) return;
+      if (!is_free_island(island, scratch)) return;
       Real M = 0;
       system.each([&](std::uint32_t u) noexcept {
         v += system.b[u].v;

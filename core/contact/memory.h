@@ -14,9 +14,9 @@ namespace godobject {
 struct ContactMemory {
   std::uint64_t key = 0;
   Real e = 0;        // rest penetration: the offset of the contact spring, m
-  Real pressed = 0;  // by which it was deeper than e where the last stage ended, m
-  Column xi_W;       // how far the contact point has been dragged since it stuck, m
-  Column xi_dot_W;   // how fast it was, m/s
+  Real pressed = 0;  // compression of the spring at the end of the last stage, m
+  Column xi_W;       // drag of the contact point since it stuck, m
+  Column xi_dot_W;   // rate of the drag, m/s
   Column F_W;        // force in the last stage, N
   Column n_W;        // normal
 };
@@ -44,7 +44,7 @@ class Recall {
     return at_ < of_.size && of_.list[at_].key == key ? &of_.list[at_] : nullptr;
   }
   /// Returns the memory of a key; one without a normal if there is none.
-  const ContactMemory* find_or_none(std::uint64_t key) noexcept {
+  const ContactMemory* find_or_empty(std::uint64_t key) noexcept {
     const ContactMemory* const found = find(key);
     return found != nullptr ? found : &none_;
   }
@@ -72,14 +72,15 @@ bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
 /// Initialisation of a stage's contacts: from the memory of the previous step or stage, extrapolated by t_0
 /// and t_1.
 struct ContactStage {
-  Real t_0 = 0, t_1 = 0;  // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
-  Real relaxing = 0;      // s, for which e is relaxed
-  Real found = 0;         // J, by the stages of the step before it: ContactReport
+  Real t_0 = 0, t_1 = 0;     // s: xi is extrapolated by t_0 times the rate of the step, plus t_1 times that
+                             // of the previous stage
+  Real relaxation_time = 0;  // s, duration of the relaxation of e
+  Real found = 0;            // J, sum over the previous stages of the step: ContactReport
   bool continues_step =
-      false;  // after another stage of the step; otherwise that one's memories are none of this step
-  bool follows = false;   // it starts where that stage has ended
+      false;  // true after another stage of the step; otherwise the stage memory is of another step
+  bool follows = false;   // true if it starts at the end of the previous stage
   bool is_euler = false;  // as `follows`, but the rest penetration (35) is updated at step boundaries only
-  Real ahead = 0;         // s: extrapolation from the end of the previous stage to the start of this one
+  Real extrapolated_time = 0;  // s: extrapolation from the end of the previous stage to the start of this one
 
   /// True if the stage starts at the end of another one, of this step or the previous.
   bool starts_at_stage_end() const noexcept { return follows || (t_0 == 0 && !continues_step); }
@@ -120,13 +121,13 @@ struct StageLawOf {
   T k = 0;                       // N/m
   T eta_n = 0;                   // N s/m
   T eta_n_h = 0;                 // eta_n / h, N/m
-  T max_eta_t = 0;               // N s/m, of a contact point that sticks
+  T max_eta_t = 0;               // N s/m, of a sticking contact point
   T v_per_xi = 0;                // k_t / max_eta_t, 1/s
-  T mu = 0;                      // Coulomb
-  T kept = 0;                    // share of xi that is left at the end of a stage without friction
-  T given = 0;                   // m/N, by which friction moves xi
-  T relaxed = 0;                 // m, by which e may fall
-  T behind = 0;                  // m, by which it may be behind the depth when it falls
+  T mu = 0;                      // Coulomb friction
+  T kept = 0;                    // share of xi that remains at the end of a stage without friction
+  T given = 0;                   // m/N, change of xi by friction
+  T max_decrease = 0;            // m, largest decrease of e
+  T max_lag = 0;                 // m, largest distance of a decreasing e below the depth
   T max_stored_penetration = 0;  // m (35)
 };
 
@@ -134,30 +135,30 @@ struct StageLawOf {
 template <class T>
 struct ContactStartOf {
   Vector3<T> n_W;
-  T d_0;     // depth, m
-  T closed;  // approach by extrapolation, m: 0 if the stage starts at the end of another
+  T d_0;       // depth, m
+  T approach;  // approach by extrapolation, m: 0 if the stage starts at the end of another
 };
 
 /// Initial data of contacts in a stage.
 template <class T>
 struct InitialContactOf {
-  Vector3<T> xi_W;  // how far they have been dragged along the surface, m
+  Vector3<T> xi_W;  // drag along the surface, m
   T e;              // rest penetration: the offset of the contact spring, m
-  T F_n;            // normal force of the stage before, N; < 0: the contact is new
+  T F_n;            // normal force of the previous stage, N; < 0: new contact
   T found;          // J, (38): energy of its spring at the start of the stage in excess of that at the end of
                     // the previous one
 };
 
-/// Returns the relaxed rest penetration: decreases by at most `by`, never below d - behind nor below 0 (35).
+/// Returns the relaxed rest penetration: decreases by at most max_decrease, never below d - max_lag nor below 0 (35).
 template <class T>
-T relax_offset(const T& e, const T& d, const T& by, const T& behind) noexcept {
-  return max(min(e, max(e - by, d - behind)), T(0));
+T relax_offset(const T& e, const T& d, const T& max_decrease, const T& max_lag) noexcept {
+  return max(min(e, max(e - max_decrease, d - max_lag)), T(0));
 }
 
 /// Returns the change of energy of a contact spring (38), J. before: compression at the end of a stage, m.
 /// now: compression at the start of the next.
 template <class T>
-T found_energy(const T& k, const T& before, const T& now) noexcept {
+T spring_energy_change(const T& k, const T& before, const T& now) noexcept {
   return T(0.5) * k * (now * now - before * before);
 }
 
@@ -180,7 +181,7 @@ auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& of
   const T turned = select(by_stage, of_stage.n_W.dot(start.n_W), of_step.n_W.dot(start.n_W)),
           end = select(by_stage, of_stage.e + of_stage.pressed, of_step.e + of_step.pressed);
   return (by_stage | was(of_step)) &
-         ((turned < T(same_contact)) | (most < start.d_0 + T(stage.ahead) * v_n - end));
+         ((turned < T(same_contact)) | (most < start.d_0 + T(stage.extrapolated_time) * v_n - end));
 }
 
 /// Returns the initial data of contacts, from the memories of the previous step and stage. If the normal has
@@ -208,16 +209,17 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
     before = select(by_stage, pressed, T(0));  // a contact open in the previous stage was not pressed
     F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
   }
-  T offset = relax_offset(e, start.d_0, law.relaxed, law.behind);
+  T offset = relax_offset(e, start.d_0, law.max_decrease, law.max_lag);
   if (stage.starts_at_stage_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < before, before + e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
-  const T e_new = max(start.d_0 - start.closed - law.max_stored_penetration, T(0));
+  const T e_new = max(start.d_0 - start.approach - law.max_stored_penetration, T(0));
   const T now_new = min(max(start.d_0 - e_new, T(0)), law.max_stored_penetration);
   return {.xi_W = xi - start.n_W * start.n_W.dot(xi),
           .e = select(known, offset, e_new),
           .F_n = select(known, max(F_n, T(0)), T(-1)),
-          .found = select(known, found_energy(law.k, before, now), found_energy(law.k, T(0), now_new))};
+          .found = select(known, spring_energy_change(law.k, before, now),
+                          spring_energy_change(law.k, T(0), now_new))};
 }
 
 /// Contact data from the start of the stage needed to update the memory at its end.
@@ -225,7 +227,7 @@ template <class T>
 struct InitialMemoryOf {
   Vector3<T> xi_W;
   T e, kept, given;
-  T F_n;  // normal force of the stage before, N; < 0: the contact is new
+  T F_n;  // normal force of the previous stage, N; < 0: new contact
 };
 
 /// Returns the contact memory at the end. d: depth, m. F_W: contact force, N.

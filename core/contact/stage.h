@@ -3,13 +3,14 @@
 // At the end of a stage (22) and (23) are linear in the velocity v of the contact point within a mode (open,
 // stick, slip). With the geometry at the predicted end of the stage, and d_0 the depth at its start,
 //
-//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;   open, F_0 = eta_n d_0 / h
+//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;
+//         open, F_0 = eta_n d_0 / h
 //         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
 //
 // A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
-// A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set,
-// each with the modes at the end of the previous one. Against the world the first iterations take a slipping
-// contact by its tangent,
+// A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set.
+// Each iteration starts with the modes of the previous one. Against the world the first iterations take a
+// slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //
@@ -29,19 +30,20 @@ enum class Pass { by_tangent, by_secant, unchanged };
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
-  bool changed = true;  // the mode of one of them, in the last update
-  Vector3<Pack> r, n;   // from where the body's twist is taken to the contact point; off the surface
+  bool changed = true;  // true if the last update changed one of their modes
+  Vector3<Pack> r, n;   // r: lever from the point of the body's twist to the contact point; n: normal off the
+                        // surface
   Pack d_0, F_0, eta_n;
   Vector3<Pack> v_xi;
   Pack max_eta_t, mu;
   // mode
-  Pack touching;  // 1 or 0
+  Pack active;  // 1 if active, else 0
   Pack eta_t;
-  Vector3<Pack> u;  // direction of the slip, if taken by its tangent; otherwise zero
-  Pack f_slip;      // and its friction
+  Vector3<Pack> u;  // direction of the slip if linearised by its tangent, else zero
+  Pack f_slip;      // friction along u
   // solution
   Vector3<Pack> v, F;
-  Pack v_n_0;  // of the iteration before
+  Pack v_n_0;  // normal velocity of the previous iteration
 };
 using InitialMemoryPack = InitialMemoryOf<Pack>;
 
@@ -112,7 +114,7 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
 }
 
 /// True if friction linearised along the slip does work on one of the contacts.
-inline bool is_turned_round(const ContactPack& c) noexcept { return any(c.u.dot(c.v + c.v_xi) < 0); }
+inline bool is_slip_reversed(const ContactPack& c) noexcept { return any(c.u.dot(c.v + c.v_xi) < 0); }
 
 /// Selects the slip speed after the iteration for friction.
 struct CurrentSpeed {};
@@ -124,7 +126,7 @@ struct CurrentSpeed {};
 /// ahead: CurrentSpeed, or ahead(pack, slip, its speed, normal forces), the slip speeds for friction, above
 /// zero.
 template <bool tangents, class SlipPrediction = CurrentSpeed>
-void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& most,
+void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& residual,
                   [[maybe_unused]] const SlipPrediction& ahead = {}) noexcept {
   const Pack v_n = c.n.dot(c.v);
   const Vector3<Pack> s = c.v - c.n * v_n + c.v_xi;
@@ -134,21 +136,21 @@ void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& most
   const Pack law_eta = friction(c, speed, law_n);
   Vector3<Pack> F_t = s * -c.eta_t;
   if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
-  c.F = c.n * (c.touching * F_n) + F_t;
-  most.normal_residual = max(most.normal_residual, abs(law_n - c.touching * F_n));
-  most.friction_residual_sq = max(most.friction_residual_sq, (s * -law_eta - F_t).squaredNorm());
-  most.normal_force = max(most.normal_force, law_n);
-  const Pack touching = mode_of(law_n), eta_before = c.eta_t;
-  c.changed = differ(c.touching, touching);
-  c.touching = touching;
+  c.F = c.n * (c.active * F_n) + F_t;
+  residual.normal_residual = max(residual.normal_residual, abs(law_n - c.active * F_n));
+  residual.friction_residual_sq = max(residual.friction_residual_sq, (s * -law_eta - F_t).squaredNorm());
+  residual.normal_force = max(residual.normal_force, law_n);
+  const Pack active = mode_of(law_n), eta_before = c.eta_t;
+  c.changed = differ(c.active, active);
+  c.active = active;
   Pack slip_eta = law_eta;
   if constexpr (!std::is_same_v<SlipPrediction, CurrentSpeed>)
     slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
   // if friction reversed the slip, iterations would alternate: the contact sticks, or slips the other way
   // from there
-  if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.touching * c.max_eta_t, slip_eta);
-  else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.touching * c.eta_t, slip_eta);
-  c.eta_t = next == Pass::unchanged ? c.touching * c.eta_t : slip_eta;
+  if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.active * c.max_eta_t, slip_eta);
+  else slip_eta = select(abs(law_eta - c.eta_t) * speed < F_small, c.active * c.eta_t, slip_eta);
+  c.eta_t = next == Pass::unchanged ? c.active * c.eta_t : slip_eta;
   c.changed = c.changed || differ(c.eta_t, eta_before);
   if constexpr (tangents) {
     if (next == Pass::by_tangent) {
@@ -168,7 +170,7 @@ void predict(ContactPack& c, const Velocity& V) noexcept {
   const Pack F_n = c.n.dot(c.F);
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
   const Pack speed = speed_of(s);
-  c.touching = mode_of(F_n);
+  c.active = mode_of(F_n);
   c.eta_t = friction(c, speed, F_n);
   if constexpr (tangents) set_tangents(c, s, speed, F_n);
 }
@@ -183,12 +185,12 @@ struct ContactSums {
 /// Adds contacts to the sums. tangents: some contacts may be linearised by their tangents.
 template <bool tangents>
 void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
-  const Pack a = h * c.eta_t, b = h * (c.touching * c.eta_n - c.eta_t);
+  const Pack a = h * c.eta_t, b = h * (c.active * c.eta_n - c.eta_t);
   const Vector3<Pack>&r = c.r, &n = c.n, &u = c.u;
   const Vector3<Pack> m = r.cross(n), ar = r * a, bn = n * b, bm = m * b;
   const Pack a_rr = ar.dot(r);
   const Pack turn[9] = {0, ar.z(), -ar.y(), -ar.z(), 0, ar.x(), ar.y(), -ar.x(), 0};  // a [r]x by columns
-  Vector3<Pack> F = n * (h * c.touching * c.F_0) - c.v_xi * a;
+  Vector3<Pack> F = n * (h * c.active * c.F_0) - c.v_xi * a;
   int k = 0;
   for (int col = 0; col < 3; ++col) {
     for (int row = 0; row < 3; ++row) sums.wv[3 * col + row] += bm[row] * n[col] + turn[3 * col + row];

@@ -18,16 +18,16 @@ inline Pose seen_from(const Pose& X_WA, const Pose& X_WB) noexcept {
 }
 
 /// Coupling input with the grip, which is kept between steps.
-struct HoldingPull : Pull {
-  Pose X_DB;  // the held body as the device sees it
+struct GripInput : CouplingInput {
+  Pose X_DB;  // pose of the gripped body in the device's frame
 };
 
 struct HoldingState : DeviceState {
   Pose X_DB;
 };
 
-inline HoldingState carried_over(const HoldingPull& pull) noexcept {
-  return {carried_over(static_cast<const Pull&>(pull)), pull.X_DB};
+inline HoldingState state_after(const GripInput& input) noexcept {
+  return {state_after(static_cast<const CouplingInput&>(input)), input.X_DB};
 }
 
 /// Device with absolute poses, like PoseDevice, that keeps the gripped body's pose relative to the device at
@@ -37,7 +37,7 @@ inline HoldingState carried_over(const HoldingPull& pull) noexcept {
 ///         X_WD X_DB, which moves with w_D and v_D + w_D x R_WD p_DB.
 ///
 /// The initial pose error is therefore zero for any motion of the two. The damping of their relative velocity
-/// rises with the ramp (14). After a gap longer than grip_lasts the body is gripped again at its current
+/// rises with the ramp (14). After a gap longer than max_gap_with_grip the body is gripped again at its current
 /// pose. While `engaged` is false, the target is the device's pose.
 ///
 /// One device may grip any of several bodies: all of them get its sample, and `engaged` is true for the
@@ -45,19 +45,19 @@ inline HoldingState carried_over(const HoldingPull& pull) noexcept {
 struct HoldingDevice {
   using Params = RampParams;
   using Input = PoseDevice::Input;
-  using Pull = HoldingPull;
+  using CouplingInput = GripInput;
   using State = HoldingState;
 
-  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   Limited& limited) noexcept {
-    Pull d{begin_pull(par, x, in.engaged, in.valid, h, limited), {}};
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState& body, Real h,
+                                      const State& x, Limited& limited) noexcept {
+    CouplingInput d{begin_coupling_input(par, x, in.engaged, in.valid, h, limited), {}};
     const Pose X_WD{.p = in.target.X_WD.p, .q = renormalized(in.target.X_WD.q)};
-    const bool takes = d.fresh && !(x.held > 0 && grip_lasted(x));
+    const bool takes = d.fresh && !(x.held > 0 && is_grip_kept(x));
     if (d.ramp.engaged) d.X_DB = takes ? seen_from(X_WD, moved(body.X_WB, body.v_W, body.w_B, h)) : x.X_DB;
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
     if (in.valid) d.to = held(X_WD, in.target.V_WD, d.X_DB);
-    else if (d.gap.bridged) d.to = carried_on(x.last, h);
+    else if (d.gap.bridged) d.to = extrapolated_target(x.last, h);
     if (d.fresh) d.from = d.to;
     d.to.X_WD.q = same_sign(d.to.X_WD.q, d.from.X_WD.q);
     return d;

@@ -70,12 +70,12 @@ void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matr
   b += K * w;
 }
 
-/// Stiffness that a joint adds to A of its bodies: for any rotation of the parent, for any rotation of the
-/// child, and for the rate of its slide. The slide's leaves the momentum of both bodies unchanged.
+/// Stiffness that a joint adds to A of its bodies: for rotations of the parent, for rotations of the child,
+/// and for the rate of its slide. The slide's leaves the momentum of both bodies unchanged.
 struct JointStiffness {
   Block parent = Block::zero();
   Real turn = 0, slide = 0;
-  bool is_stiff = false;  // the part that is left out may turn a body round within a stage
+  bool is_stiff = false;  // true if the neglected part may reverse the rotation of a body within a stage
 };
 
 /// Returns the stiffness of a joint.

@@ -68,8 +68,8 @@ inline Real angle_of(Real sine, Real cosine) noexcept {
 
 /// Returns the number of whole turns nearest to an angle, rad; the even one of two that are equally near.
 inline Real whole_turns(Real angle) noexcept {
-  // above this, neighbouring numbers are 1 apart, so the sum rounds to an integer; a product instead of this
-  // quotient might be fused with the sum, and half a turn would be no tie
+  // above this, neighbouring numbers are 1 apart, so the sum rounds to an integer. A product instead of this
+  // quotient might be fused with the sum, and half a turn would be no tie.
   constexpr Real integers = 0x1.8p52;
   return (angle / (2 * pi) + integers) - integers;
 }

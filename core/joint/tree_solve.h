@@ -1,5 +1,5 @@
 // Solution of a tree of jointed bodies in linear time (7): elimination from the leaves to the root, then back
-// substitution, without a matrix of the whole (docs/decisions/014).
+// substitution. No matrix of the whole is formed (docs/decisions/014).
 //
 // Unknown: the twist V = (w, v) of every body, world axes, v of the anchor of its joint. A free body obeys A
 // V = b, its stage (10) and (11). A joint restricts the motion of its body against the parent,
@@ -12,8 +12,9 @@
 //   (7)   D = S^T A S,  A_a = A - A S D^-1 S^T A,  b_a = (1 - A S D^-1 S^T) (b - A beta)
 //         A_parent += X^T A_a X,  b_parent += X^T b_a
 //
-// Axes of S are eliminated one after the other, so D is a number; the rotations of a ball joint at once, with
-// a 3 x 3 D. The residual F = A_a X V_parent - b_a is the impulse of the joint on the child: the multipliers.
+// Axes of S are eliminated one after the other, so D is a number. The rotations of a ball joint are
+// eliminated at once, with a 3 x 3 D. The residual F = A_a X V_parent - b_a is the impulse of the joint on
+// the child: the multipliers.
 #pragma once
 
 #include "core/joint/joint.h"

@@ -29,8 +29,8 @@ T error_curvature(const std::type_identity_t<T>& w) noexcept {
   return min(polynomial<T>(c, z), T(Real(0.1959) - Real(0.1716) * z));
 }
 
-/// Returns alpha u = log(q_WB^-1 q_WD) on the shorter way round (16). Within the band, on the side of
-/// `previous`: the torque changes sides only 0.1 rad behind the half turn, and a target held there causes no
+/// Returns alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band, on the side of `previous`
+/// (16). The torque then changes sides only 0.1 rad behind the half turn, and a target held there causes no
 /// chatter.
 template <class T = Real>
 RotationErrorOf<T> rotation_error(const Quaternion<T>& q_WB, const Quaternion<T>& q_WD,

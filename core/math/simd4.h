@@ -17,7 +17,7 @@ namespace godobject {
 
 /// Applies f to the parts of both arguments.
 template <class R, class A, class F>
-R by_parts(const A& a, const A& b, F f) noexcept {
+R apply_by_parts(const A& a, const A& b, F f) noexcept {
   R r;
   for (std::size_t k = 0; k < a.parts.size(); ++k) r.parts[k] = f(a.parts[k], b.parts[k]);
   return r;
@@ -54,19 +54,19 @@ struct Pack {
   Pack& operator/=(const Pack& b) noexcept { return *this = *this / b; }
 
   friend Pack operator+(const Pack& a, const Pack& b) noexcept {
-    return by_parts<Pack>(a, b, [](Part x, Part y) { return x + y; });
+    return apply_by_parts<Pack>(a, b, [](Part x, Part y) { return x + y; });
   }
   friend Pack operator-(const Pack& a, const Pack& b) noexcept {
-    return by_parts<Pack>(a, b, [](Part x, Part y) { return x - y; });
+    return apply_by_parts<Pack>(a, b, [](Part x, Part y) { return x - y; });
   }
   friend Pack operator*(const Pack& a, const Pack& b) noexcept {
-    return by_parts<Pack>(a, b, [](Part x, Part y) { return x * y; });
+    return apply_by_parts<Pack>(a, b, [](Part x, Part y) { return x * y; });
   }
   friend Pack operator/(const Pack& a, const Pack& b) noexcept {
-    return by_parts<Pack>(a, b, [](Part x, Part y) { return x / y; });
+    return apply_by_parts<Pack>(a, b, [](Part x, Part y) { return x / y; });
   }
   friend Pack operator-(const Pack& a) noexcept {
-    return by_parts<Pack>(a, a, [](Part x, Part) { return -x; });
+    return apply_by_parts<Pack>(a, a, [](Part x, Part) { return -x; });
   }
 };
 
@@ -76,10 +76,10 @@ struct PackMask {
   std::array<Part, Pack::num_parts> parts;
 };
 inline PackMask operator<(const Pack& a, const Pack& b) noexcept {
-  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x < y; });
+  return apply_by_parts<PackMask>(a, b, [](auto x, auto y) { return x < y; });
 }
 inline PackMask operator<=(const Pack& a, const Pack& b) noexcept {
-  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x <= y; });
+  return apply_by_parts<PackMask>(a, b, [](auto x, auto y) { return x <= y; });
 }
 inline PackMask operator>(const Pack& a, const Pack& b) noexcept { return b < a; }
 
@@ -112,11 +112,11 @@ inline std::uint32_t bits(const PackMask& m) noexcept {
 #endif
 }
 inline PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
-  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x & y; });
+  return apply_by_parts<PackMask>(a, b, [](auto x, auto y) { return x & y; });
 }
 
 inline PackMask operator|(const PackMask& a, const PackMask& b) noexcept {
-  return by_parts<PackMask>(a, b, [](auto x, auto y) { return x | y; });
+  return apply_by_parts<PackMask>(a, b, [](auto x, auto y) { return x | y; });
 }
 
 /// True if the condition holds for any number.

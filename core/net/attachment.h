@@ -1,10 +1,10 @@
-// Attachments of nodes in a stage: what is sewn, or glued, to a body that does not carry it.
+// Attachments of nodes in a stage: sewn or glued to a body other than the carrier.
 //
 //   (49)  impulse J - kappa (v_n - v_b - w_b x r) on the node, its opposite on the body;  kappa = h (h k + g)
 //
-// as (42), r where the node is: so it does nothing where body and node turn as one, and takes no angular momentum. A carrier
-// has its anchors on no side of the system (44), since its nodes ride on it; to any other body an attachment is what a contact
-// is that sticks in all directions, and stands among these as one with a = kappa and b = 0.
+// Like an anchor (42). Taking the lever at the node makes rigid motion force-free and conserves angular
+// momentum. In the system an attachment is a contact that always sticks: a = kappa, b = 0. Anchors, by
+// contrast, do not appear between node and carrier (44), because node velocities are carrier-relative.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// Linear from where nodes and bodies are led. at: of the bodies.
+/// Linearises the attachments at the predicted nodes and bodies. at: of the bodies.
 template <class Net, std::size_t N, class Places>
 void begin_attachments(const typename Net::Params& par, const Places& at, Real h,
                        NetStage<Net, N>& w) noexcept {
@@ -39,14 +39,14 @@ void begin_attachments(const typename Net::Params& par, const Places& at, Real h
   }
 }
 
-/// For velocities against V_p of bodies on joints.
+/// Makes the velocities relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_attachments(const Twists& V_p, NetStage<Net, N>& w) noexcept {
   for (NetContactTerm& one : w.attached())
     if (one.body != NetContactTerm::on_world) one.J += shifted(V_p[one.body], one.r).v * one.a;
 }
 
-/// f(body, impulse on it about its centre of mass) at the velocities V, of nodes against the world.
+/// Calls f(body, impulse on it about its centre of mass) at the velocities V, of nodes relative to the world.
 template <class Velocities, class Net, std::size_t N, class F>
 void each_attachment_impulse(const Velocities& V, const NetStage<Net, N>& w, F f) noexcept {
   for (const NetContactTerm& one : w.attached()) {
@@ -56,7 +56,7 @@ void each_attachment_impulse(const Velocities& V, const NetStage<Net, N>& w, F f
   }
 }
 
-/// Whether the node is attached to the body.
+/// True if the node is attached to the body.
 template <std::size_t max>
 bool is_attached(const NetAttachments<max>& all, std::uint32_t node, std::size_t body) noexcept {
   if constexpr (max == 0) return false;

@@ -1,4 +1,5 @@
-// Contacts of nodes of nets in a stage: (24) as for bodies, each with a velocity of its own, and what they are in the system.
+// Contacts of nodes of nets in a stage: (24) as for bodies, each with its own velocity, and their terms in
+// the system.
 #pragma once
 
 #include "core/contact/begin.h"
@@ -7,8 +8,8 @@
 
 namespace godobject {
 
-/// What a stage is told of nets: constants, what contacts carried over, and whether it is solved again (39): with joints,
-/// iterations go on from its last solution.
+/// Inputs of a net stage: parameters, contact memory of the previous step, gravity. again: a re-solve (39);
+/// with joints, iterations start from the last solution.
 template <class Net>
 struct NetInput {
   const typename Net::Params& par;
@@ -26,7 +27,7 @@ const ContactLaw& law_of(const typename Contacts::Params& contacts, const typena
   return contacts.law(net.nodes[near.a].material, other);
 }
 
-/// f(pack, velocities of its nodes against what they touch) of all contacts of nets.
+/// Calls f(pack, velocities of its nodes relative to the touched bodies) for all contacts of nets.
 template <class V, class Stage, class F>
 void each_net_pack(const V& of, Stage& w, F f) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
@@ -44,7 +45,7 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
   }
 }
 
-/// (24) of the near contacts of nets, and the bodies of which one carries what touches the other.
+/// Linearises the near contacts of nets (24), and lists the pairs of a carrier and a touched body.
 template <class Contacts, std::size_t N>
 void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& net,
                         Real h, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -68,7 +69,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       Real m = net.par.nodes[one.a].m;
       if (!on_world) m = std::min(m, w.stages[one.b].M);
       laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, h,
-                                    w.stage.relaxing, on_world);
+                                    w.stage.relaxation_time, on_world);
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
@@ -81,17 +82,17 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
   w.report.found += total(found);
 }
 
-/// Says that nodes of a carrier touch a body, or are attached to it.
+/// Declares that nodes of a carrier touch a body, or are attached to it.
 template <class Net, std::size_t N>
 void find_pair(std::uint32_t carrier, std::uint32_t touched, NetStage<Net, N>& w) noexcept {
   if (carrier >= N) return;  // the world
   for (std::size_t k = w.num_pairs; k-- > 0;)
     if (w.pairs[k].carrier == carrier && w.pairs[k].touched == touched) return;
-  // without it the preconditioner is less good, no more
+  // without it the preconditioner is weaker, nothing else
   if (w.num_pairs < w.max_pairs) w.pairs[w.num_pairs++] = {.carrier = carrier, .touched = touched};
 }
 
-/// Anchors for velocities against V_p of bodies on joints.
+/// Makes the anchors relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
@@ -102,7 +103,7 @@ void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
     }
   });
 }
-/// And contacts.
+/// Makes the contacts relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
@@ -118,30 +119,29 @@ void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept
   }
 }
 
-/// The contacts of nets in the modes they are in, as effective masses and impulses, after the attachments.
+/// Sums the contacts of nets in their modes, as effective masses and impulses, after the attachments.
 template <class Net, std::size_t N>
 void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   w.num_contacts = w.num_attachments;
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
-    const Real a = h * c.eta_t[j], b = h * (c.touching[j] * c.eta_n[j] - c.eta_t[j]);
-    if (!(a > 0) && !(c.touching[j] > 0)) continue;
+    const Real a = h * c.eta_t[j], b = h * (c.active[j] * c.eta_n[j] - c.eta_t[j]);
+    if (!(a > 0) && !(c.active[j] > 0)) continue;
     const Vec3 n = lane(c.n, j);
-    w.contacts[w.num_contacts++] = {
-        .node = w.near.list[i].a,
-        .body = w.near.list[i].b,
-        .carrier = w.carrier[i],
-        .n = Column(n),
-        .r = Column(lane(c.r, j)),
-        .a = a,
-        .b = b,
-        .J = Column(Vec3(n * (h * c.touching[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
-                         lane(c.u, j) * (h * c.f_slip[j])))};
+    w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
+                                    .body = w.near.list[i].b,
+                                    .carrier = w.carrier[i],
+                                    .n = Column(n),
+                                    .r = Column(lane(c.r, j)),
+                                    .a = a,
+                                    .b = b,
+                                    .J = Column(Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
+                                                     lane(c.u, j) * (h * c.f_slip[j])))};
   }
 }
 
-/// b of bodies, with what rides on them, and nodes.
+/// Loads b of bodies, including their carried nodes, and of nodes.
 template <class Contacts, std::size_t N>
 void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& b = w.coupled_b;
@@ -163,7 +163,7 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   });
 }
 
-/// E of (44): the bodies with all that rides on them.
+/// Loads E of (44): the bodies with their carried nodes.
 template <class Contacts, std::size_t N>
 void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
@@ -194,11 +194,11 @@ void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
   }
 }
 
-/// The nodes of an island, in a Newton iteration: their contacts in the modes they are in, impulses, E and factor.
+/// Loads the nodes of an island in a Newton iteration: contacts in their modes, impulses, E and factor.
 template <class Contacts, std::size_t N>
 void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  // nodes have moved little since the stage before: its factor is as good a preconditioner
+  // nodes have moved little since the previous stage, so its factor is as good a preconditioner
   const bool is_factored = !first || (w.stage.continues_step && net.factored_h == h);
   if (!is_factored) {
     gather_net_contacts(h, net);
@@ -206,14 +206,14 @@ void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept
     net.factored_h = h;
   }
   if (first) predict_friction(h, net);  // those that touch stay the same
-  take_contacts_out(net);
+  remove_contacts_from_factor(net);
   gather_net_contacts(h, net);
-  put_contacts_in(net);
+  add_contacts_to_factor(net);
   load_impulses(w);
   load_carrier_relative(w);
 }
 
-/// Velocities of the nodes against their carriers, from those against the world and those of the carriers; and back.
+/// Transforms the nodes' velocities from world to carrier frame; below, back.
 template <class Net, std::size_t N, class Vector>
 void to_carrier_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
@@ -265,10 +265,39 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();
     for (std::uint32_t n = run.first; n < run.end; ++n) {
       const Column u = w.x.V.nodes[n] - shifted(w.x.V.bodies[run.body], net.r[n]).v;
-      const Column J = net.J_anchor[n] - u * net.kappa[n];
+      const Column J = net.J_anchor[n] - u * net.kappa[n] - w.x.r.nodes[n];
       sum = sum - moved_wrench({.w = Column(Pack(0)), .v = J}, net.r[n]);
     }
   });
+  net.passed_on.fill(SpatialVector::zero());
+  if (net.num_nodes > 0) report_unbalanced_net(h, w);
+}
+
+/// Adds the residual of an iteration, as a force, to the contacts of the bodies and floating nets that it has moved. Joints bear
+/// that of their bodies.
+template <class Contacts, std::size_t N>
+[[gnu::noinline]] void report_unbalanced_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  Missing<Contacts, N> missing;
+  bool is_missing = false;
+  if (!net.is_balanced) {
+    w.system.each([&](std::uint32_t i) noexcept {
+      is_missing = true;
+      if (is_joined(i, w)) return;
+      w.wrenches[i].tau -= w.x.r[i].w.vec() * (1 / h);
+      missing.F_W[i] = w.x.r[i].v.vec() * (-1 / h);
+    });
+  }
+  for (std::size_t k = 0; k < net.par->num_rows; ++k) {
+    if (!net.rows[k].is_free || net.rows[k].flies) continue;
+    is_missing = true;
+    for (std::uint32_t n = net.par->rows[k].first; n < net.par->rows[k].end; ++n)
+      missing.F_W[N + k] -= w.x.r.nodes[n].vec() * (1 / h);
+  }
+  if (!is_missing) return;
+  pass_on(missing, w);
+  w.is_unbalanced = true;
+  for (std::size_t i = 0; i < N; ++i) net.passed_on[i].v = Column(Vec3(missing.by_net[i] * h));
 }
 
 /// f(body, impulse on it about its centre of mass) of what nets pull it by, but for their contacts.
@@ -278,6 +307,7 @@ void each_net_impulse(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
     f(static_cast<std::uint32_t>(run.body), w.net.on_carriers[run.body]);
   });
   each_attachment_impulse(w.x.V, w.net, f);
+  for (std::uint32_t i = 0; i < N; ++i) f(i, w.net.passed_on[i]);
 }
 
 }  // namespace godobject

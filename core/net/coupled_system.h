@@ -1,16 +1,16 @@
-// Bodies and the nodes of nets as one system A V = b: what conjugate gradients ask of it.
+// Bodies and nodes of nets as one system A V = b, for conjugate gradients.
 //
-// A node's unknown is its velocity against its carrier, at whose side it rides: u_n = v_n - (v_b + w_b x r), against the
-// world where it lies in the scene. So the bodies' unknowns are motions of bodies with all that rides on them, their
-// matrix E of the whole A is known exactly, joints included, and by
+// The unknown of a node is its velocity relative to its carrier, u_n = v_n - (v_b + w_b x r); relative to the
+// world for nodes of the scene. Unknowns of bodies are then motions of bodies with their carried nodes. Their
+// matrix E of the whole A is known exactly, joints included, and with
 //
 //   (44)  M^-1 = diag(E^-1, (43)^-1)
 //
-// as preconditioner a net on its carrier falls, turns and hits as one from the first iteration on. The matrix of the nodes
-// is never stored: anchors, springs and contacts multiply by the few numbers that they are.
+// as preconditioner, a net and its carrier fall, rotate and collide as one from the first iteration on. The
+// matrix of the nodes is not stored: anchors, springs and contacts multiply by their few numbers.
 //
-// Where the iteration ends, V is taken to where the balance of energy (28) and the momenta of each body with its net hold,
-// whatever is left of the deformation:
+// At the end of the iteration, V is corrected for any residual of the deformation. The energy balance (28)
+// and the momenta of each body with its net then hold:
 //
 //   (45)  V+ = s V + (c, 0)  with  V+^T r = 0,  r of bodies = 0
 #pragma once
@@ -20,7 +20,7 @@
 
 namespace godobject {
 
-/// A vector of the coupled system: twists or impulses of bodies, velocities or impulses of nodes.
+/// Vector of the coupled system: twists or impulses of bodies, velocities or impulses of nodes.
 template <class OfBodies, std::size_t max_nodes>
 struct CoupledVector {
   OfBodies bodies;
@@ -31,14 +31,14 @@ struct CoupledVector {
   Column& operator[](NetNodeNumber u) noexcept { return nodes[u.n]; }
   const Column& operator[](NetNodeNumber u) const noexcept { return nodes[u.n]; }
 };
-/// f(run) of the nodes that bodies carry.
+/// Calls f(run) for the nodes carried by bodies.
 template <class Net, std::size_t N, class F>
 void each_carried(const NetStage<Net, N>& w, F f) noexcept {
   for (std::size_t k = 0; k < w.num_runs; ++k)
     if (w.runs[k].body != world) f(w.runs[k]);
 }
 
-/// Inertia of the nodes of a run about the centre of mass of their carrier.
+/// Returns the inertia of the nodes of a run about the centre of mass of their carrier.
 template <class Net, std::size_t N>
 SymmetricSpatialMatrix inertia_of(const NetStage<Net, N>& w, const NetRun& run) noexcept {
   Pack m_sum = 0;
@@ -71,7 +71,7 @@ SymmetricSpatialMatrix inertia_of(const NetStage<Net, N>& w, const NetRun& run) 
       .ww = block_of(I), .wv = cross(Column(mr), Block::identity()), .vv = Block::identity() * total(m_sum)};
 }
 
-/// The system of bodies `bodies` and the nets that they carry and touch, or are attached to.
+/// System of the bodies `bodies` and the nets that they carry, touch, or are attached to.
 template <class OfBodies, class Stage>
 struct CoupledSystem {
   using Vector = CoupledVector<typename OfBodies::Vector, Stage::max_nodes>;
@@ -80,7 +80,7 @@ struct CoupledSystem {
   Stage& net;
   Vector& b;
 
-  /// f(number) of all unknowns.
+  /// Calls f(number) for all unknowns.
   template <class F>
   void each(F f) const noexcept {
     bodies.each(f);
@@ -89,7 +89,7 @@ struct CoupledSystem {
   const BlockJoint* joint_of(std::uint32_t u) const noexcept { return bodies.joint_of(u); }
   static const BlockJoint* joint_of(NetNodeNumber) noexcept { return nullptr; }
 
-  /// AV = A V.
+  /// Computes AV = A V.
   void multiply(const Vector& V, Vector& AV) const noexcept {
     bodies.multiply(V.bodies, AV.bodies);
     auto& v = net.carrier_relative_v;  // of the nodes against the world
@@ -122,7 +122,7 @@ struct CoupledSystem {
         AV.bodies[contact.body] =
             AV.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = J}, contact.r);
     }
-    // what acts on nodes acts on what carries them, but for their anchors
+    // impulses on nodes also act on their carriers, except those of anchors
     each_carried(net, [&](const NetRun& run) noexcept {
       SpatialVector sum = SpatialVector::zero();
       for (std::uint32_t n = run.first; n < run.end; ++n) {
@@ -135,7 +135,7 @@ struct CoupledSystem {
   }
 };
 
-/// (44)  z = M^-1 r. r is used up.
+/// Applies the preconditioner (44): z = M^-1 r. r is overwritten.
 template <class OfBodies, class Stage>
 void solve(const CoupledSystem<OfBodies, Stage>& system, typename CoupledSystem<OfBodies, Stage>::Vector& r,
            typename CoupledSystem<OfBodies, Stage>::Vector& z) noexcept {
@@ -143,7 +143,7 @@ void solve(const CoupledSystem<OfBodies, Stage>& system, typename CoupledSystem<
   solve_nodes(system.net, r.nodes, z.nodes);
 }
 
-/// (45) of V, A V = b - r. The r of nodes is not that of the new V but what the iteration left: compute_residual().
+/// Corrects V, A V = b - r, by (45). The r of nodes remains that of the iteration; see compute_residual().
 template <class OfBodies, class Stage, class Vectors>
 void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noexcept {
   auto &delta = system.net.delta, &c_1 = system.net.c_1;
@@ -161,9 +161,9 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   });
   solve(system.bodies, x.Ap.bodies, c_1);
   system.bodies.each([&](std::uint32_t u) noexcept { along_c_1.add(x.p[u], c_1[u]); });
-  // likewise of nets that fly
+  // likewise of nets in free flight
   auto& net = system.net;
-  each_floating(net, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, RowStage& of) noexcept {
     if (!of.flies) return;
     const auto A_V = [&](std::uint32_t n) noexcept { return b.nodes[n] - x.r.nodes[n]; };
     of.delta = rigid_motion(nodes, of.masses, net.p, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
@@ -186,7 +186,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
     x.V[u] = x.V[u] + delta[u] - c_1[u] * s_1;
     x.r[u] = SpatialVector::zero();
   });
-  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (!of.flies) return;
     const SpatialVector c = of.delta - of.c_1 * s_1;
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
@@ -194,7 +194,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   });
 }
 
-/// r = b - A V.
+/// Computes r = b - A V.
 template <class System, class Vectors>
 void compute_residual(const System& system, Vectors& x) noexcept {
   system.multiply(x.V, x.Ap);

@@ -1,4 +1,4 @@
-// Energies of nets, J: for tests, studies and who watches the balance of energy. The step does not need them.
+// Energies of nets, J, for tests, studies and the energy balance. The step does not need them.
 #pragma once
 
 #include "core/energy.h"
@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-/// Kinetic energy of the nodes.
+/// Returns the kinetic energy of the nodes, J.
 template <Scene S>
 Real net_kinetic_energy(const Params<S>& par, const State<S>& x) noexcept {
   Real T = 0;
@@ -15,7 +15,7 @@ Real net_kinetic_energy(const Params<S>& par, const State<S>& x) noexcept {
   return T;
 }
 
-/// sum m p of the nodes, kg m.
+/// Returns sum m p of the nodes, kg m.
 template <Scene S>
 Vec3 net_mass_moment(const Params<S>& par, const State<S>& x) noexcept {
   Vec3 mp_W = Vec3::Zero();
@@ -23,7 +23,7 @@ Vec3 net_mass_moment(const Params<S>& par, const State<S>& x) noexcept {
   return mp_W;
 }
 
-/// (41), (42), (49)  In springs, anchors and attachments.
+/// Returns the energy in springs, anchors and attachments (41), (42), (49), J.
 template <Scene S>
 Real net_spring_energy(const Params<S>& par, const State<S>& x) noexcept {
   Real U = 0;

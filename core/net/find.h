@@ -1,8 +1,10 @@
-// What nodes of nets are near: surfaces of the world, shapes on bodies, spheres of bodies that have no shapes.
+// Search for contacts of nodes of nets: with surfaces of the world, shapes on bodies, and spheres of bodies
+// without shapes.
 //
-// Bound: for each four nodes a query of each surface of the world, and of each surface or sphere of a body whose box they
-// are in. Nodes do not touch each other, nor bodies of the tree that their carrier is of, nor what they are attached to. What is
-// fast, or deep in an obstacle of the world, is sought on its way as spheres of bodies are (core/contact/find/sweep.h).
+// Bound: for each four nodes, a query of each surface of the world. Also a query of each surface or sphere of
+// a body whose box contains one of them. Nodes do not touch each other, bodies of their carrier's tree, or
+// bodies that they are attached to. Fast nodes, and nodes deep in an obstacle of the world, are swept like
+// spheres of bodies (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"
@@ -10,7 +12,7 @@
 
 namespace godobject {
 
-/// The nodes where the stage is predicted to end, four to a pack; and how far each of the four may move.
+/// Places the nodes at the predicted end of the stage, four to a pack, with the bounds of their motion.
 template <class Net, std::size_t N>
 void place_nodes(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
@@ -24,18 +26,18 @@ void place_nodes(const typename Net::Params& par, NetStage<Net, N>& w) noexcept 
   }
 }
 
-/// The search of one stage.
+/// Search of one stage.
 template <class Contacts, std::size_t N, class Net>
 class NetFinder {
  public:
   using Memories = ContactMemories<Net::max_contacts>;
-  /// of_stage: null in the first stage of a step.
+  /// of_stage: contact memory of the previous stage; null in the first stage of a step.
   NetFinder(const typename Contacts::Params& contacts, const typename Net::Params& net,
             const Memories& of_step, const Memories* of_stage, const ContactFinder<Contacts, N>& bodies,
             NetStage<Net, N>& w) noexcept
       : contacts_(contacts), net_(net), of_step_(of_step), of_stage_(of_stage), bodies_(bodies), w_(w) {}
 
-  /// In the order of the keys: what is touched, then the node.
+  /// Finds the contacts in the order of the keys: touched number, then node.
   void find(std::size_t num_bodies) noexcept {
     w_.near.clear();
     if (w_.num_nodes == 0) return;
@@ -54,7 +56,8 @@ class NetFinder {
  private:
   static constexpr std::uint32_t on_world = NetContactTerm::on_world;
 
-  /// Bound of how far the nodes of a pack move in the stage; nodes that touch nothing are nowhere.
+  /// Returns a bound of the motion of a pack's nodes in the stage. Nodes without contacts are placed at
+  /// infinity.
   Real travel(std::uint32_t k) const noexcept {
     Real most = 0;
     for (std::uint32_t n = 4 * k; n < std::min<std::size_t>(4 * k + 4, w_.num_nodes); ++n) {
@@ -105,7 +108,7 @@ class NetFinder {
     }
   }
 
-  /// A sphere of body i.
+  /// Finds contacts with a sphere of body i.
   void find_on_sphere(std::uint32_t i, std::uint32_t s, std::uint32_t num_packs) noexcept {
     const auto& owned = bodies_.owned[i];
     const Sphere other = sphere(&bodies_.packs[owned.first_pack], s - owned.first_sphere);
@@ -127,7 +130,7 @@ class NetFinder {
     return std::uint64_t(touched) << 32 | n;
   }
 
-  /// touched: number of a surface or, after all of them, a sphere.
+  /// Adds a contact. touched: number of a surface or, after all of them, of a sphere.
   void add(std::uint32_t n, std::uint32_t b, std::uint32_t touched, Real d, const Vec3& n_W) noexcept {
     const std::size_t carrier = net_.nodes[n].body;
     if (b != on_world && carrier != world && bodies_.owned[b].tree == bodies_.owned[carrier].tree) return;

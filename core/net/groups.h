@@ -1,9 +1,10 @@
-// Groups of the nodes of nets, before the first step: four at a time, in the order in which the factor (43) is worked off.
+// Groups of four nodes of nets, in the elimination order of the factor (43), formed before the first step.
 //
-// Nodes of a group must not be joined, and each waits for those before it that are. In the order of their numbers almost every
-// node waits for the one before: so the nodes of a carrier are taken as so many strips, in the order of their numbers each,
-// and one of each strip after the other. Four that follow each other are of different strips and seldom joined, and neither are
-// the next four: a processor works on both groups. What a factor is worth hardly depends on it (docs/decisions/059).
+// Nodes of a group must not be joined by springs, and each waits for earlier joined ones. In the order of
+// their numbers almost every node waits for the previous one. The nodes of a carrier are therefore divided
+// into strips in the order of their numbers, and taken from each strip in turn. Four consecutive nodes are
+// then seldom joined, and neither are the next four, so that a processor works on both groups. The quality of
+// the factor hardly depends on it (docs/decisions/059).
 #pragma once
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 
 namespace godobject {
 
-/// The springs of each node that it has: has(spring, node), of both nodes that a spring joins.
+/// Springs of each node that has(spring, node) accepts for one of its two nodes.
 template <class Par>
 struct SpringsOfNodes;
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
@@ -36,12 +37,12 @@ struct SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> {
   std::uint32_t num(std::uint32_t n) const noexcept { return first[n + 1] - first[n]; }
 };
 
-/// The node that a spring joins to n.
+/// Returns the node that a spring joins to n.
 inline std::uint32_t other_end(const NetSpring& spring, std::uint32_t n) noexcept {
   return spring.i == n ? spring.j : spring.i;
 }
 
-/// Who is in which group. Springs join nodes that are there.
+/// Assigns nodes to groups. Springs must join existing nodes.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 class NodeGrouping {
  public:
@@ -54,7 +55,7 @@ class NodeGrouping {
     for (std::uint32_t n = 0; n < par_.num_nodes; ++n) left_[n] = springs_.num(n);
     for (std::uint32_t first = 0, end = 0; first < par_.num_nodes; first = end) {
       while (end < par_.num_nodes && par_.nodes[end].body == par_.nodes[first].body) ++end;
-      const std::size_t num_ends = wait_from_ends(first, end), size = wait_in_strips(first, end, num_ends);
+      const std::size_t num_ends = order_from_ends(first, end), size = order_in_strips(first, end, num_ends);
       group(0, num_ends, true);
       group(num_ends, size, false);
     }
@@ -69,33 +70,33 @@ class NodeGrouping {
       f(other_end(par_.springs[springs_.list[k]], n));
   }
 
-  /// Nodes of [first, end) that are joined to one other, or none, and those that are so without them: threads and trees from
-  /// their ends. Of those the factor leaves nothing out. How many.
-  std::size_t wait_from_ends(std::uint32_t first, std::uint32_t end) noexcept {
+  /// Orders the nodes of [first, end) with at most one neighbour, repeatedly: threads and trees from their
+  /// ends. The factor is exact for those. Returns their number.
+  std::size_t order_from_ends(std::uint32_t first, std::uint32_t end) noexcept {
     std::size_t size = 0;
     const auto wait = [&](std::uint32_t n) noexcept {
-      waits_[n] = true;
-      waiting_[size++] = n;
+      is_ordered_[n] = true;
+      ordered_[size++] = n;
     };
     for (std::uint32_t n = first; n < end; ++n)
       if (left_[n] <= 1) wait(n);
     for (std::size_t k = 0; k < size; ++k)
-      each_neighbour(waiting_[k], [&](std::uint32_t n) noexcept {
+      each_neighbour(ordered_[k], [&](std::uint32_t n) noexcept {
         --left_[n];
-        if (first <= n && n < end && left_[n] <= 1 && !waits_[n]) wait(n);
+        if (first <= n && n < end && left_[n] <= 1 && !is_ordered_[n]) wait(n);
       });
     return size;
   }
 
-  /// The others, one of each strip after the other. How many wait then.
-  std::size_t wait_in_strips(std::uint32_t first, std::uint32_t end, std::size_t num_ends) noexcept {
+  /// Orders the other nodes, from each strip in turn. Returns the number of ordered nodes.
+  std::size_t order_in_strips(std::uint32_t first, std::uint32_t end, std::size_t num_ends) noexcept {
     std::size_t size = 0;
     for (std::uint32_t n = first; n < end; ++n)
-      if (!waits_[n]) in_order_[size++] = n;
+      if (!is_ordered_[n]) in_order_[size++] = n;
     const std::size_t length = (size + node_strips - 1) / node_strips;
     std::size_t all = num_ends;
     for (std::size_t k = 0; k < length; ++k)
-      for (std::size_t of = k; of < size; of += length) waiting_[all++] = in_order_[of];
+      for (std::size_t of = k; of < size; of += length) ordered_[all++] = in_order_[of];
     return all;
   }
 
@@ -107,14 +108,14 @@ class NodeGrouping {
     return found;
   }
 
-  /// The nodes that wait at [from, end): in their order, or each where there is room first.
+  /// Groups the ordered nodes at [from, end): in their order, or each in the first group with room.
   void group(std::size_t from, std::size_t end, bool in_order) noexcept {
     for (; from < end; ++from) {
-      if (waiting_[from] == taken) continue;
+      if (ordered_[from] == taken) continue;
       const auto number = static_cast<std::uint32_t>(par_.num_groups);
       NodeGroup& group = par_.groups[par_.num_groups++] = {};
       for (std::size_t k = from; k < std::min(end, from + nodes_looked_ahead) && group.size < 4; ++k) {
-        const std::uint32_t n = waiting_[k];
+        const std::uint32_t n = ordered_[k];
         if (n == taken) continue;
         if (joins(n, group)) {
           if (in_order) break;
@@ -122,7 +123,7 @@ class NodeGrouping {
         }
         par_.places[n] = {.group = number, .lane = group.size};
         group.nodes[group.size++] = n;
-        waiting_[k] = taken;
+        ordered_[k] = taken;
       }
       std::fill(group.nodes.begin() + group.size, group.nodes.end(), group.nodes[0]);
     }
@@ -131,13 +132,13 @@ class NodeGrouping {
   Par& par_;
   SpringsOfNodes<Par> springs_;
   std::array<std::uint32_t, max_nodes> left_{};  // neighbours that do not wait
-  std::array<std::uint32_t, max_nodes> waiting_{}, in_order_{};
-  std::array<bool, max_nodes> waits_{};
+  std::array<std::uint32_t, max_nodes> ordered_{}, in_order_{};
+  std::array<bool, max_nodes> is_ordered_{};
 };
 
-/// The springs of each group: those to nodes of later ones.
+/// Assigns the springs to slots of each group: those to nodes of later groups.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void put_in_slots(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+void assign_slots(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   const SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> own(
       par, [&](const NetSpring& spring, std::uint32_t n) {
         return par.places[n].group < par.places[other_end(spring, n)].group;
@@ -161,7 +162,8 @@ void put_in_slots(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   }
 }
 
-/// Every node is in one group, of its carrier, and every spring in one slot of the group of that of its nodes that comes first.
+/// True if every node is in one group of its carrier, and every spring in one slot of the group of its
+/// earlier node.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 bool are_valid_groups(const NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   const NetSpring& none = par.springs[par.no_spring];

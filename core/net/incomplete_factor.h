@@ -1,25 +1,26 @@
-// An incomplete factor of the nodes of nets: what their conjugate gradients are preconditioned with.
+// Incomplete factor of the nodes of nets, the preconditioner of their conjugate gradients.
 //
-//   (43)  M = (D + L) D^-1 (D + L^T),  L what springs couple, below the diagonal;  D_j = A_jj - sum_{i < j} K_ij D_i^-1 K_ij
+//   (43)  M = (D + L) D^-1 (D + L^T),  L couplings by springs, below the diagonal;
+//         D_j = A_jj - sum_{i < j} K_ij D_i^-1 K_ij
 //
-// the diagonal alone is changed as it is factored (Meijerink and van der Vorst 1977). Every D is positive definite: if
-// D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij, and what is left of A_jj, the sum of all K at j and the mass,
-// is D_j >= sum of the K_jl, l > j, and the mass. i < j is the order of the groups of NetParams, whose four nodes are worked
-// on at once.
+// Only the diagonal is changed by the factorisation (Meijerink and van der Vorst 1977). Every D is positive
+// definite. If D_i >= sum of the K_il, l > i, then K_ij D_i^-1 K_ij <= K_ij. A_jj is the sum of all K at j
+// and the mass, so the remainder is D_j >= sum of the K_jl, l > j, plus the mass. i < j is the order of the
+// groups of NetParams, whose four nodes are processed at once.
 #pragma once
 
 #include "core/net/settling.h"
 
 namespace godobject {
 
-/// A += K.
+/// Computes A += K.
 inline void add(const SlotMass& K, SymmetricPack& A) noexcept {
   const auto& [u, a, b] = K;
   const Vector3<Pack> bu(b * u[0], b * u[1], b * u[2]);
   A.diagonal += Vector3<Pack>(bu[0] * u[0] + a, bu[1] * u[1] + a, bu[2] * u[2] + a);
   A.off += Vector3<Pack>(bu[1] * u[2], bu[0] * u[2], bu[0] * u[1]);
 }
-/// K - K E K.
+/// Returns K - K E K.
 inline SymmetricPack eliminated(const SlotMass& K, const SymmetricPack& E) noexcept {
   // e = a b E u:  K E K = a^2 E + e u^T + u e^T + b^2 (u . E u) u u^T
   const auto& [u, a, b] = K;
@@ -34,20 +35,20 @@ inline SymmetricPack eliminated(const SlotMass& K, const SymmetricPack& E) noexc
                   f[0] * u[1] - u[0] * e[1] - a_sq * E.off[2]}};
 }
 
-/// Effective mass of a contact.
+/// Returns the effective mass of a contact.
 inline SymmetricBlock effective_mass(const NetContactTerm& contact) noexcept {
   SymmetricBlock K = outer_square(contact.n, contact.b);
   return K += SymmetricBlock::multiple(contact.a);
 }
 
-/// Those of a group's nodes, each in its lane.
+/// Returns the blocks of a group's nodes, one per lane.
 template <std::size_t max_nodes>
 SymmetricPack in_lanes(const std::array<SymmetricBlock, max_nodes>& A, const NodeGroup& group) noexcept {
   const auto& n = group.nodes;
   return in_lanes(A[n[0]], A[n[1]], A[n[2]], A[n[3]]);
 }
 
-/// Factors the nodes as their springs, anchors and contacts are.
+/// Factors the nodes with their springs, anchors and contacts.
 template <class Net, std::size_t N>
 void factor_nodes(NetStage<Net, N>& w) noexcept {
   auto& D = w.D;
@@ -62,7 +63,7 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
     SymmetricPack D_i = in_lanes(D, group);
     for (std::uint32_t s = group.first; s < group.end; ++s) add(w.masses[s], D_i);
     const std::array<SymmetricBlock, 4> D_n = blocks(D_i);
-    // last the lane that is the first node's own
+    // the first node's own lane last
     for (std::size_t j = 4; j-- > 0;) D[group.nodes[j]] = D_n[j];
     const SymmetricPack E = w.D_inverse[g] = inverse(D_i + in_lanes(w.of_contacts, group));
     for (std::uint32_t s = group.first; s < group.end; ++s) {
@@ -72,7 +73,7 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// D^-1 of the groups whose nodes touch.
+/// Updates D^-1 of the groups with contacts.
 template <class Net, std::size_t N>
 void renew_inverses(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) {
@@ -81,22 +82,22 @@ void renew_inverses(NetStage<Net, N>& w) noexcept {
     w.D_inverse[g] = inverse(in_lanes(w.D, group) + in_lanes(w.of_contacts, group));
   }
 }
-/// The contacts of nodes, out of their D and into it: what they change elsewhere is left as it was factored, a
-/// preconditioner all the same, since D_j is positive definite without the contacts of j.
+/// Removes the contacts of nodes from their D; below, adds them. Their effect on other D remains as factored.
+/// The preconditioner stays valid, because D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
-void take_contacts_out(NetStage<Net, N>& w) noexcept {
+void remove_contacts_from_factor(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c) w.of_contacts[w.contacts[c].node] = SymmetricBlock::zero();
   renew_inverses(w);
 }
-/// Those that were in it are out. A node may touch more than one thing.
+/// Adds the contacts of nodes to D, after the previous ones were removed. A node may have several.
 template <class Net, std::size_t N>
-void put_contacts_in(NetStage<Net, N>& w) noexcept {
+void add_contacts_to_factor(NetStage<Net, N>& w) noexcept {
   for (std::size_t c = 0; c < w.num_contacts; ++c)
     w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
   renew_inverses(w);
 }
 
-/// z = M^-1 r; r is used up.
+/// Solves z = M^-1 r; r is overwritten.
 template <class Net, std::size_t N, class Vector>
 void solve_nodes(const NetStage<Net, N>& w, Vector& r, Vector& z) noexcept {
   const auto groups = w.groups();

@@ -1,17 +1,17 @@
-// In which modes contacts of nodes are taken (24): what their forces do to the nodes is foreseen.
+// Modes of contacts of nodes (24), with the predicted effect of their forces on the nodes.
 //
-// Newton iterations by secants take the friction of (24) at the speed that it leaves, and where a contact is about to stick that is
-// less and less each time: of what friction misses, four fifths are left by each. But a node gives way to a force as the
-// factor of the nodes says,
+// Newton iterations by secants evaluate the friction of (24) at the previous slip speed. Near sticking this
+// reduces the friction error by only 20 % per iteration. (50) predicts the slip from the node's compliance in
+// the factor of the nodes instead:
 //
 //   (50)  by h / m a newton,  m = d^T D d along d, D of (43) without the contact:
-//         slip     s* = s + (F_t - mu F_n) h / m,                            where friction is as the law says
+//         slip     s* = s + (F_t - mu F_n) h / m,                   at which friction obeys the law
 //         at first F_n = F_n- + (F_0 - eta_n v_n - F_n-) / (1 + eta_n h / m),  F_n- of the stage before
 //                  F_t = -mu F_n s/|s| where it slips,                        v_n, s where the stage starts
 //
-// and eta_t is taken at s*. Neighbours give way, too, so that the node goes farther than that, never less. In
-// the first iteration the force itself is given: a net that slides as a whole is slowed down by mu F_n at any
-// speed, where an eta_t would be off by its acceleration, h a / |s|. A slip that this turns round sticks in
+// and eta_t is evaluated at s*. Neighbours yield too, so the node moves farther than predicted, never less.
+// The first iteration uses the force itself. A net sliding as a whole is decelerated by mu F_n at any speed,
+// whereas an eta_t would err by its acceleration, h a / |s|. If this reverses a slip, the contact sticks in
 // the next iteration, whose eta_t does no work on slips.
 #pragma once
 
@@ -19,8 +19,8 @@
 
 namespace godobject {
 
-/// (50)  How the nodes of a pack give way, each along its own d of length 1, m/s per N. own: what their contacts in the pack have
-/// of m, which others of the same node hold as well.
+/// Returns the compliance (50) of each node along unit direction d, m/(s N), including the node's other
+/// contacts. own: this pack's contribution to m, excluded.
 template <class Net, std::size_t N>
 Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real h,
                 const NetStage<Net, N>& w) noexcept {
@@ -29,12 +29,12 @@ Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real 
     const std::uint32_t n = w.near.list[4 * pack + j].a;
     const Column along(lane(d, j));
     const Real m = dot(along, w.D[n] * along), held = dot(along, w.of_contacts[n] * along) - own[j];
-    if (m > 0) give.set(j, h / (m + std::max(held, Real(0))));  // otherwise there is no direction
+    if (m > 0) give.set(j, h / (m + std::max(held, Real(0))));  // otherwise the direction is undefined
   }
   return give;
 }
 
-/// (50)  The speeds of a pack where friction is as the law says.
+/// Returns a function of the slip speeds of a pack (50) at which friction equals the law.
 template <class Net, std::size_t N>
 auto predicted_slip(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {
   return [=, &w](const ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
@@ -43,7 +43,7 @@ auto predicted_slip(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcep
   };
 }
 
-/// Velocities of the nodes of a pack where the stage starts, less those that they are predicted to have.
+/// Returns the velocities of a pack's nodes at the start of the stage, minus the predicted ones.
 template <class Net, std::size_t N>
 Vector3<Pack> start_less_predicted(std::size_t pack, const NetStage<Net, N>& w) noexcept {
   Vector3<Pack> change = Vector3<Pack>::Constant(Pack(0));
@@ -54,24 +54,23 @@ Vector3<Pack> start_less_predicted(std::size_t pack, const NetStage<Net, N>& w) 
   return change;
 }
 
-/// Sets the friction of the first iteration, once the nodes are factored, by (50). Nodes go on as fast as
-/// they are, since friction and springs mostly bear what gravity adds. A node that sticks there is taken to
-/// stick; one that slips gets its whole friction along that slip. Not where one iteration is all: no other
-/// finds slips which turn round. Which contacts touch stays as it was foreseen: (29) finds it, and another
-/// guess drives nets that are
-/// pinched where iterations are few.
+/// Sets the friction of the first iteration by (50), after the nodes are factored. Nodes are assumed to keep
+/// their speed, because friction and springs mostly balance gravity. A node predicted to stick sticks; a
+/// slipping one gets its whole friction along the slip. Skipped if there is only one iteration, because none
+/// would detect reversed slips. The active set stays as predicted: (29) finds it, and another prediction
+/// drives pinched nets if iterations are few.
 template <class Net, std::size_t N>
 void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
     ContactPack& c = w.packs[p];
-    const Pack F_before = max(w.initial[p].F_n, Pack(0));  // of a new one, none
+    const Pack F_before = max(w.initial[p].F_n, Pack(0));  // zero for a new contact
     const Vector3<Pack> v = w.begins_at_solution ? c.v : Vector3<Pack>(c.v + start_less_predicted(p, w));
     const Pack v_n = c.n.dot(v);
-    const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.touching * c.eta_n * h, h, w);
+    const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.active * c.eta_n * h, h, w);
     const Pack F_n = max(F_before + (c.F_0 - c.eta_n * v_n - F_before) / stiffer, Pack(0));
-    const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.touching;
+    const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.active;
     const Pack speed = speed_of(s);
-    c.eta_t = c.touching * friction(c, speed, F_n);
+    c.eta_t = c.active * friction(c, speed, F_n);
     if (w.par->max_iterations == 1) continue;
     set_tangents(c, s, speed, F_n);
     c.eta_t = select(c.eta_t < c.max_eta_t, Pack(0), c.eta_t);

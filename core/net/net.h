@@ -1,6 +1,7 @@
-// Nets: deformable tools and organs, the paper's mass/spring surface nets. Nodes are particles; springs with dampers join
-// them; each may hang by an anchor, a damped spring of zero length, on a point of its carrier, the rigid component of the
-// net, which is a body like any other (the god-object), or on a point of the world. Attachments join nodes to other bodies.
+// Nets: deformable tools and organs, the paper's mass/spring surface nets. Nodes are particles; springs with
+// dampers join them. Anchors are damped springs of zero length between a node and a point of its carrier or
+// of the world. The carrier is the rigid component of the net, a body like any other (the god-object).
+// Attachments join nodes to other bodies.
 #pragma once
 
 #include <algorithm>
@@ -12,30 +13,31 @@
 
 namespace godobject {
 
-/// A node. Nodes of one carrier are in a row.
+/// A node. Nodes of one carrier are consecutive.
 struct NetNode {
   Real m = 0;                // kg, > 0
-  std::size_t body = world;  // the carrier; world: the net lies in the scene
+  std::size_t body = world;  // carrier; world: node of the scene
   Vec3 p_B = Vec3::
-      Zero();  // where its anchor is: from the carrier's centre of mass in body axes, or in the world, m
-  // of the anchor, N/m and N s/m; both 0: none. Where k is 0 for all nodes that springs join, the net floats
+      Zero();  // place of its anchor: from the carrier's centre of mass in body axes, or in the world, m
+  // of the anchor, N/m and N s/m; both 0: no anchor. If k is 0 for all nodes joined by springs, the net
+  // floats
   Real k = 0, g = 0;
-  Real radius = 0;  // of the sphere by which it touches, m; 0: it touches nothing
+  Real radius = 0;  // radius of its contact sphere, m; 0: no contacts
   MaterialId material = 0;
 };
 
-/// A spring between two nodes, i < j, with a rest length: (36).
+/// Spring (36) between two nodes, i < j, with a rest length.
 struct NetSpring {
   std::uint32_t i = 0, j = 0;
   Real k = 0, g = 0, l_0 = 0;  // N/m, N s/m, m
 };
 
-/// A damped spring of zero length between a node and a point of a body that is not its carrier, or of the world: (49). A node
-/// may have several.
+/// Attachment (49): damped spring of zero length between a node and a point of a body other than its carrier,
+/// or of the world. A node may have several.
 struct NetAttachment {
   std::uint32_t node = 0;
   std::size_t body = world;
-  Vec3 p_B = Vec3::Zero();  // the point: from the body's centre of mass in body axes, or in the world, m
+  Vec3 p_B = Vec3::Zero();  // point on the body: from its centre of mass in body axes, or in the world, m
   Real k = 0, g = 0;        // N/m, N s/m
 };
 template <std::size_t max>
@@ -46,7 +48,7 @@ struct NetAttachments {
   const NetAttachment* begin() const noexcept { return list.data(); }
   const NetAttachment* end() const noexcept { return list.data() + size; }
 };
-/// A net without room for any: nothing.
+/// Empty storage of a net without attachments.
 template <>
 struct NetAttachments<0> {
   static constexpr std::size_t size = 0;
@@ -55,70 +57,70 @@ struct NetAttachments<0> {
   static constexpr const NetAttachment* end() noexcept { return nullptr; }
 };
 
-/// Up to four nodes of one carrier that no spring joins: they are worked on at once, each in a lane. Lanes that are left hold
-/// the first node again.
+/// Up to four nodes of one carrier that no spring joins, processed at once, one per lane. Unused lanes repeat
+/// the first node.
 struct NodeGroup {
   std::array<std::uint32_t, 4> nodes{};
   std::uint32_t size = 0;
   std::uint32_t first = 0, end = 0;  // its slots
 };
 
-/// Up to four springs, each the next of the node in its lane, of which it is the first end. A lane that has none left holds
-/// no_spring, from the node to itself.
+/// Up to four springs, one per node of the group, of which it is the first end. Unused lanes hold no_spring,
+/// from the node to itself.
 struct SpringSlot {
   std::array<std::uint32_t, 4> springs{}, others{};
 };
 
-/// Where a node is in the groups.
+/// Place of a node in the groups.
 struct NodePlace {
   std::uint32_t group = 0, lane = 0;
 };
 
-/// Nodes [first, end) which springs join to no others. The net floats if no anchor of theirs pulls: their
-/// dampers act on the deviation from their rigid motion (57).
-struct FloatingNet {
+/// Nodes [first, end) which springs join to no others. The row floats if no anchor of it pulls: its dampers
+/// act on the deviation from its rigid motion (57).
+struct NodeRow {
   std::uint32_t first = 0, end = 0;
 
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// Constant while running. Springs are in the order of i, then j, attachments in that of their nodes, and nodes in groups:
-/// put_in_order() of setup.h.
+/// Parameters, constant during a run. Springs in the order of i, then j; attachments in that of their nodes;
+/// nodes in groups: put_in_order() of setup.h.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0>
 struct NetParams {
   static constexpr std::uint32_t no_spring = max_springs;
   std::array<NetNode, max_nodes> nodes;
   std::size_t num_nodes = 0;
-  std::array<NetSpring, max_springs + 1> springs;  // and no_spring, which has no stiffness
+  std::array<NetSpring, max_springs + 1> springs;  // the springs and no_spring, which has no stiffness
   std::size_t num_springs = 0;
   [[no_unique_address]] NetAttachments<max_attachments> attachments;
-  // in an order of elimination: each node after those that springs join to it from below
+  // in an elimination order: each node after those that springs join to it from below
   std::array<NodeGroup, max_nodes> groups;
   std::size_t num_groups = 0;
   std::array<SpringSlot, max_springs> slots;
-  std::array<NodePlace, max_nodes> places;              // of the nodes in the groups
-  std::array<FloatingNet, max_nodes / 2 + 1> floating;  // of two nodes or more
-  std::size_t num_floating = 0;
+  std::array<NodePlace, max_nodes> places;      // of the nodes in the groups
+  std::array<NodeRow, max_nodes / 2 + 1> rows;  // of two nodes or more
+  std::size_t num_rows = 0;
   int max_iterations = 12;  // of conjugate gradients in a stage
-  // m/s^3: an iteration that changes no velocity by more than this times h^2, h of the stage, is the last. Steps add up what
-  // it leaves: so that falls as the error of the integrator does.
+  // m/s^3: the iteration ends if no velocity changes by more than this times h^2, h of the stage. Residuals
+  // add up over the steps, so they decrease like the integrator's error.
   Real tolerance = 100;
 
-  /// m/s, in a stage of this length.
+  /// Returns the tolerance in a stage of length h, m/s.
   Real tolerated_change(Real h) const noexcept { return tolerance * h * h; }
 };
 
-/// What a step says of its nets.
+/// Report of a step on its nets.
 struct NetReport {
   // of the step's worst stage
   int iterations = 0;         // of conjugate gradients
   int newton_iterations = 0;  // over the modes of their contacts
-  Real residual = 0;          // the largest force on a node that is left unbalanced, N
+  Real residual = 0;          // largest unbalanced force on a node, N
   bool is_stopped = false;    // the iteration ended at its most, before its tolerance
   // of its last stage
   bool majorised = false;        // (47) was needed for the springs
-  std::size_t num_contacts = 0;  // of nodes, that bear a force
-  std::size_t num_near = 0;      // listed
+  std::size_t num_contacts = 0;  // active contacts of nodes
+  std::size_t num_near = 0;      // near contacts of nodes
   Real deepest = 0;              // depth of the deepest node, m
 
   void cover(const NetReport& before) noexcept {
@@ -129,7 +131,8 @@ struct NetReport {
   }
 };
 
-/// The net part of a scene: all of its nets together. Capacities: nodes, springs, contacts of nodes at a time, attachments.
+/// Net part of a scene: all of its nets. Capacities: nodes, springs, contacts of nodes at a time,
+/// attachments.
 template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_, std::size_t attachments_ = 0>
 struct MassSpringNet {
   static constexpr std::size_t max_nodes = nodes_, max_springs = springs_, max_contacts = contacts_,
@@ -138,7 +141,7 @@ struct MassSpringNet {
   using Output = NetReport;
 };
 
-/// Number of a node among those of the nets, where bodies are numbered as well.
+/// Number of a node among those of the nets, as distinct from numbers of bodies.
 struct NetNodeNumber {
   std::uint32_t n = 0;
 };

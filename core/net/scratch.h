@@ -1,4 +1,4 @@
-// What a step works on of nets. Scratch: undefined between steps.
+// Working storage of nets in a step, undefined between steps.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace godobject {
 
-/// Nodes [first, end) that have one carrier, and their groups.
+/// Nodes [first, end) of one carrier, and their groups.
 struct NetRun {
   std::size_t body = world;
   std::uint32_t first = 0, end = 0, first_group = 0, end_group = 0;
@@ -21,8 +21,8 @@ struct NetRun {
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// A contact or an attachment of a node in the system: the effective mass a 1 + b n n^T of the node against the body, at r from its
-/// centre of mass.
+/// Contact or attachment of a node in the system: effective mass a 1 + b n n^T of the node against the body.
+/// Acts at r from the body's centre of mass.
 struct NetContactTerm {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   std::uint32_t node = 0, body = on_world;
@@ -32,12 +32,12 @@ struct NetContactTerm {
   Column J;  // impulse on the node were it at rest against the body
 };
 
-/// Bodies of which the nodes that one carries touch the other.
+/// Pair of a carrier and a body that its nodes touch.
 struct NetPair {
   std::uint32_t carrier = 0, touched = 0, entry = 0;  // entry: of the system of their island
 };
 
-/// (41)  Effective masses K = a 1 + b u u^T of the springs of a slot.
+/// Effective masses K = a 1 + b u u^T of the springs of a slot (41).
 struct SlotMass {
   Vector3<Pack> u;
   Pack a, b;
@@ -48,22 +48,23 @@ struct SlotMass {
   }
 };
 
-/// Weighted sums of nodes about their centre: how they move as one.
+/// Weighted sums of nodes about their centre, for their rigid motion.
 struct RigidFit {
   Column c;         // centre, m
   Real size = 0;    // sum of the weights
   Block J_inverse;  // of their moments about it
 };
 
-/// A net that may float, in a stage.
-struct FloatingStage {
+/// A row of nodes in a stage.
+struct RowStage {
   bool floats = false;  // no anchor pulls, and some damper acts
   RigidFit dampers, masses;
   bool flies = false;        // nothing touches it
+  bool is_free = false;      // it lies in the world, and no anchor pulls
   SpatialVector delta, c_1;  // (45), about the centre of masses
 };
 
-/// The nets of a scene in a stage. N: bodies. Scratch: undefined between steps.
+/// Nets of a scene in a stage, undefined between steps. N: bodies.
 template <class Net, std::size_t N>
 struct NetStage {
   static constexpr std::size_t max_nodes = Net::max_nodes, max_packs = (Net::max_contacts + 3) / 4;
@@ -74,23 +75,23 @@ struct NetStage {
   static constexpr std::uint32_t no_body = ~std::uint32_t(0);
   std::uint32_t first_body = no_body;  // one of the bodies in its island
 
-  // by node, where the stage is predicted to end
+  // by node, at the predicted end of the stage
   std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
   std::array<Column, max_nodes> v_free;   // velocities by gravity alone
-  Column by_gravity;                      // what it adds to velocities in the stage, m/s
+  Column by_gravity;                      // velocity added in the stage, m/s
   bool begins_at_solution = false;        // V_0 is the last solution of the same stage (39)
   std::array<Real, max_nodes> m, kappa;   // mass; effective mass of the anchor
   std::array<Real, max_nodes> settling;   // h g of nodes that float, otherwise 0
-  std::array<FloatingStage, max_nodes / 2 + 1> floating;
+  std::array<RowStage, max_nodes / 2 + 1> rows;
   std::array<Column, max_nodes> J_anchor;
   std::array<Column, max_nodes> b;  // impulses of all but contacts
 
   const typename Net::Params* par = nullptr;
-  // by slot: effective masses of springs, and impulses were the ends at rest
+  // by slot: effective masses of springs, and impulses with the ends at rest
   std::array<SlotMass, Net::max_springs> masses;
   std::array<Vector3<Pack>, Net::max_springs> J_springs;
   std::array<SymmetricSpatialMatrix, N>
-      prestress;  // what springs that pull resist of their carrier's turning
+      prestress;  // resistance of tensioned springs to rotation of their carrier
 
   // contacts, four to a pack, each of a node of its own
   std::array<SpherePack, (max_nodes + 3) / 4> spheres;
@@ -99,7 +100,7 @@ struct NetStage {
   std::array<ContactPack, max_packs> packs;  // r: on the body that is touched
   std::array<InitialMemoryPack, max_packs> initial;
   std::size_t num_packs = 0;
-  // attachments, which are there in all modes, then the contacts that bear a force
+  // attachments, present in all modes, then the active contacts
   std::array<NetContactTerm, Net::max_attachments + Net::max_contacts> contacts;
   std::size_t num_contacts = 0;
   using NumAttachments =
@@ -111,15 +112,18 @@ struct NetStage {
   std::size_t last = 0;
   ContactForces<Net::max_contacts> forces;  // of the stage
 
-  // of the incomplete factor of the nodes: D but for their own contacts, and by group the inverse of all of it
+  // of the incomplete factor of the nodes: D without their own contacts, and by group the inverse of the
+  // whole
   std::array<SymmetricBlock, max_nodes> D, of_contacts;
   std::array<SymmetricPack, max_nodes> D_inverse;
   Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
   std::array<Column, max_nodes> carrier_relative_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
-  OfBodies delta, c_1;    // (45)
-  OfBodies on_carriers;   // impulses of anchors on bodies, at the end
-  bool is_solved = true;  // false: the iteration was stopped at its most
+  OfBodies delta, c_1;   // (45)
+  OfBodies on_carriers;  // impulses of anchors on bodies, at the end
+  OfBodies passed_on;    // impulses on bodies by residuals that contacts of their nodes, or attachments, bear
+  bool is_solved = true;    // false: the iteration was stopped at its most
+  bool is_balanced = true;  // (45) holds for the velocities
   NetReport report;
 
   std::span<const NodeGroup> groups() const noexcept { return {par->groups.data(), par->num_groups}; }

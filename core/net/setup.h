@@ -1,4 +1,4 @@
-// Nets before the first step: put in order, checked, placed.
+// Setup of nets before the first step: ordering, checks, placement.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace godobject {
 
-/// Springs in the order that a step needs: i < j, by i, then j; attachments by nodes; and nodes in groups. What has no
-/// room, or is no spring, is left as it is, for is_valid_net() to refuse.
+/// Orders springs by i < j, then j; attachments by nodes; and nodes in groups. Entries beyond the capacity,
+/// or that are no springs, stay in place for is_valid_net() to reject.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   if (par.num_nodes > max_nodes || par.num_springs > max_springs) return;
@@ -29,24 +29,24 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   }
   if (!are_springs) return;
   NodeGrouping(par).put_in_groups();
-  put_in_slots(par);
-  find_floating(par);
+  assign_slots(par);
+  find_rows(par);
 }
 
-/// Finds the nets that may float: rows of nodes which springs join to no others. Their anchors decide in each stage.
+/// Finds the rows of nodes that springs join to no others. Their anchors decide in each stage if they float.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void find_floating(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
-  par.num_floating = 0;
+void find_rows(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+  par.num_rows = 0;
   std::size_t s = 0;
   for (std::uint32_t first = 0, end = 1; first < par.num_nodes; first = end++) {
     for (std::uint32_t n = first; n < end; ++n)
       for (; s < par.num_springs && par.springs[s].i == n; ++s) end = std::max(end, par.springs[s].j + 1);
-    if (end > first + 1) par.floating[par.num_floating++] = {.first = first, .end = end};
+    if (end > first + 1) par.rows[par.num_rows++] = {.first = first, .end = end};
   }
 }
 
-/// Nodes of one carrier are in a row, springs and nodes in order, numbers positive where they must be. Bodies are below
-/// num_bodies.
+/// True if the nodes of one carrier are consecutive, springs and nodes are in order, and numbers are positive
+/// as required. Bodies are below num_bodies.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
                   std::size_t num_bodies) noexcept {
@@ -71,13 +71,14 @@ bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
       return false;
     if (!is_number(spring.k) || !is_number(spring.g) || !is_number(spring.l_0)) return false;
   }
-  if (par.num_floating > par.floating.size()) return false;
-  for (std::size_t k = 0; k < par.num_floating; ++k)
-    if (par.floating[k].first >= par.floating[k].end || par.floating[k].end > par.num_nodes) return false;
+  if (par.num_rows > par.rows.size()) return false;
+  for (std::size_t k = 0; k < par.num_rows; ++k)
+    if (par.rows[k].first >= par.rows[k].end || par.rows[k].end > par.num_nodes) return false;
   return are_valid_groups(par);
 }
 
-/// Attachments of nodes below num_nodes, in their order, to bodies that are there and do not carry them. The net is valid.
+/// True if attachments are ordered, of nodes below num_nodes, to existing bodies other than the carrier. The
+/// net must be valid.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachments>& par,
                            std::size_t num_bodies) noexcept {
@@ -93,7 +94,7 @@ bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachmen
   });
 }
 
-/// Every node at its anchor, moving with its carrier.
+/// Places every node at its anchor, moving with its carrier.
 template <class State, std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void place_net(const NetParams<max_nodes, max_springs, max_attachments>& par, State& x) noexcept {
   for (std::size_t n = 0; n < par.num_nodes; ++n) {

@@ -1,4 +1,4 @@
-// A stage of nets: where it begins, and its solution with the bodies that carry and touch them.
+// Stage of nets: initialisation, and solution with the bodies that carry and touch them.
 #pragma once
 
 #include "core/contact/bodies.h"
@@ -6,7 +6,7 @@
 
 namespace godobject {
 
-/// Anchors, attachments and springs, linear from where the nodes are led. The bodies are in w.finder.at.
+/// Linearises anchors, attachments and springs at the predicted nodes. The bodies are in w.finder.at.
 template <Springs as = Springs::linear, class Contacts, std::size_t N>
 void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
                    BodyContactScratch<Contacts, N>& w) noexcept {
@@ -16,12 +16,12 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
     begin_anchors<typename Contacts::Net>(in.par, run,
                                           run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
   }
-  begin_preconditioner<typename Contacts::Net>(in.par, h, net);
+  begin_settling<typename Contacts::Net>(in.par, h, net);
   begin_attachments<typename Contacts::Net>(in.par, w.finder.at, h, net);
   begin_springs<as, typename Contacts::Net>(in.par, h, net);
 }
 
-/// The nets where the stage is predicted to end.
+/// Begins the nets at the predicted end of the stage.
 template <class Contacts, std::size_t N, class Bases>
 void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, Real h,
                BodyContactScratch<Contacts, N>& w) noexcept {
@@ -38,7 +38,7 @@ void find_net_contacts(const typename Contacts::Params& par, const NetInput<type
       .find(num_bodies);
 }
 
-/// The velocities of nodes and of the bodies that carry and touch them, or that they are attached to.
+/// Solves for the velocities of nodes, and of the bodies that carry, touch or are attached to them.
 template <class Contacts, std::size_t N>
 void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
                           BodyContactScratch<Contacts, N>& w) noexcept {
@@ -50,9 +50,9 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   find_flying(w.net);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
-  const Solving how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
-                    .most_iterations = in.par.max_iterations,
-                    .tolerance = in.par.tolerated_change(h)};
+  const SolverLimits how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,
+                         .iteration_limit = in.par.max_iterations,
+                         .tolerance = in.par.tolerated_change(h)};
   const auto solve = [&]() noexcept {
     for (std::size_t n = 0; n < w.graph.num_islands; ++n)
       if (w.graph.islands[n].has_net) return solve_island(h, w.graph.islands[n], how, system, w);
@@ -64,7 +64,7 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   to_world_frame(w.net, w.x.V);
 }
 
-/// (47)  The stage again, with the springs majorised: from where it starts, at rest.
+/// Solves the stage again with majorised springs (47), from its start, at rest.
 template <class Contacts, std::size_t N>
 void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
                      BodyContactScratch<Contacts, N>& w) noexcept {
@@ -78,8 +78,8 @@ void solve_majorised(Real h, const NetInput<typename Contacts::Net>& in,
   net.report.majorised = true;
 }
 
-/// The velocities of nodes and of the bodies that carry and touch them: with springs linear where the stage is predicted to
-/// end, or, where they gain energy that way (46), majorised.
+/// Solves for the velocities of nodes and of the bodies that carry and touch them. Springs are linear at the
+/// predicted end of the stage. If they gain energy that way (46), they are majorised.
 template <class Contacts, std::size_t N>
 void solve_net(Real h, const NetInput<typename Contacts::Net>& in,
                BodyContactScratch<Contacts, N>& w) noexcept {

@@ -1,12 +1,15 @@
-// Anchors and springs of nets in a stage: effective masses and impulses, linear from where the stage is predicted to end.
+// Anchors and springs of nets in a stage: effective masses and impulses, linearised at the predicted end of
+// the stage.
 //
-//   (41)  spring:  impulse J - K x' on j,  K = a 1 + b u u^T,  a = h^2 k max(1 - l_0 / l, 0),  b = h^2 k + h g - a
+//   (41)  spring:  impulse J - K x' on j,  K = a 1 + b u u^T,
+//                  a = h^2 k max(1 - l_0 / l, 0),  b = h^2 k + h g - a
 //   (47)  or from where the stage starts, at rest:  a = h^2 k
 //   (42)  anchor:  impulse J - kappa (v_n - v_b - w_b x r),  kappa = h (h k + g)
 //
-// Both as (37). A spring is u, a and b in the system: its product takes no matrix, and is done for the four springs of a slot
-// (groups.h). Where it is shorter than l_0, what it loses across itself is left out, since the system is to be positive definite;
-// where it is longer, nothing is. The lever of an anchor is where its node is: so it does nothing where body and node turn as one.
+// Both like (37). A spring is u, a and b in the system. Its product needs no matrix and is computed for the
+// four springs of a slot (groups.h). If it is shorter than l_0, the negative stiffness across it is left out,
+// so that the system is positive definite; if longer, nothing is. Taking the lever of an anchor at the node
+// makes rigid motion force-free.
 #pragma once
 
 #include "core/joint/tree.h"
@@ -14,19 +17,19 @@
 
 namespace godobject {
 
-/// What v has for the nodes of a group, or the second ends of a slot, each in its lane.
+/// Returns the numbers of v for the nodes of a group, or the second ends of a slot, one per lane.
 template <class Vector>
 Vector3<Pack> in_lanes(const Vector& v, const std::array<std::uint32_t, 4>& n) noexcept {
   return in_lanes(v[n[0]], v[n[1]], v[n[2]], v[n[3]]);
 }
-/// y += a, one after the other: lanes may be of the same node.
+/// Computes y += a, lane by lane, because lanes may be of the same node.
 template <class Vector>
 void add_lanes(const Vector3<Pack>& a, const std::array<std::uint32_t, 4>& n, Vector& y) noexcept {
   const std::array<Column, 4> of = columns(a);
   for (std::size_t j = 0; j < 4; ++j) y[n[j]] += of[j];
 }
 
-/// y += A_springs v.
+/// Computes y += A_springs v.
 template <class Net, std::size_t N, class Vector>
 void add_springs_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) noexcept {
   for (const NodeGroup& group : w.groups()) {
@@ -42,7 +45,7 @@ void add_springs_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) 
   }
 }
 
-/// Who carries whom.
+/// Indexes the nodes by their carriers.
 template <class Net, std::size_t N>
 void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
   w.par = &par;
@@ -59,7 +62,7 @@ void index_net(const typename Net::Params& par, NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// Where the nodes are predicted to be at the end of the stage: where their bases lead them.
+/// Predicts the nodes at the end of the stage from their bases.
 template <class Net, std::size_t N, class Bases>
 void predict_nodes(const Bases& bases, const Vec3& gravity_W, Real h, NetStage<Net, N>& w) noexcept {
   const Column by_gravity = w.by_gravity = Column(Vec3(h * gravity_W));
@@ -68,7 +71,7 @@ void predict_nodes(const Bases& bases, const Vec3& gravity_W, Real h, NetStage<N
     w.p[n] = Column(bases[n].p_W) + w.v[n] * h;
   }
 }
-/// (47)  Or at rest where the stage starts.
+/// Places the nodes at rest at the start of the stage (47).
 template <class Net, std::size_t N>
 void rest_at_start(Real h, NetStage<Net, N>& w) noexcept {
   for (std::uint32_t n = 0; n < w.num_nodes; ++n) {
@@ -77,7 +80,7 @@ void rest_at_start(Real h, NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// The anchors of a run. at: of the carrier.
+/// Begins the anchors of a run. at: of the carrier.
 template <class Net, std::size_t N>
 void begin_anchors(const typename Net::Params& par, const NetRun& run, const TreePlace& at, Real h,
                    NetStage<Net, N>& w) noexcept {
@@ -96,23 +99,23 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
   }
 }
 
-/// A number of each spring of a slot.
+/// Returns a number of each spring of a slot.
 template <class Springs>
 Pack of_each(const Springs& springs, const SpringSlot& slot, Real NetSpring::*of_one) noexcept {
   const auto& n = slot.springs;
   return {springs[n[0]].*of_one, springs[n[1]].*of_one, springs[n[2]].*of_one, springs[n[3]].*of_one};
 }
 
-/// As what springs are taken: linear where the stage is predicted to end, or (47).
+/// Linearisation of springs: at the predicted end of the stage, or (47).
 enum class Springs { linear, majorised };
 
-/// (41)  Springs with the ends x and x' apart where the stage is predicted to end.
+/// Begins springs (41) with the ends x and x' apart at the predicted end of the stage.
 template <Springs as>
 void begin_slot(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
                 const Vector3<Pack>& x_dot, Real h, SlotMass& K, Vector3<Pack>& J) noexcept {
   const Pack l_sq = x.squaredNorm(), l = sqrt(l_sq), h_k = k * h, h_g = g * h;
   const PackMask has_length = Pack(0) < l;
-  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is taken
+  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is evaluated
   const Pack u_x = x[0] * r, u_y = x[1] * r, u_z = select(has_length, x[2] * r, Pack(1));
   const Pack a = as == Springs::majorised
                      ? h_k * h
@@ -130,8 +133,8 @@ void begin_slot(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pac
   K.b = b;
 }
 
-/// The springs; b of their nodes. Of springs that pull, what they resist of the turning of the carrier that both ends ride on:
-/// sum a (x^2 1 - x x^T).
+/// Begins the springs and adds b of their nodes. prestress: resistance of tensioned springs to rotation of
+/// the carrier of both ends, sum a (x^2 1 - x x^T).
 template <Springs as, class Net, std::size_t N>
 void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < w.num_runs; ++k) {
@@ -150,7 +153,7 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
                        of_each(par.springs, slot, &NetSpring::l_0), x, x_dot, h, K, J);
         add_lanes(J, slot.others, w.b);
         on_i -= J;
-        Pack a = K.a;  // of springs between nodes of this run
+        Pack a = K.a;  // springs between nodes of this run
         if (std::any_of(slot.others.begin(), slot.others.end(),
                         [&](std::uint32_t n) { return n >= run.end; })) [[unlikely]]
           for (std::size_t j = 0; j < 4; ++j)
@@ -174,12 +177,12 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
   }
 }
 
-/// (46)  What springs gain in a stage whose solution is v, but for what others do on the nodes, J; of what they take and give;
-/// and the mass of the nodes, kg.
+/// Energy gain of springs (46) in a stage with the solution v, J, without the work of others on the nodes.
+/// Also the exchanged energy, J, and the mass of the nodes, kg.
 struct SpringGain {
   Real gained = 0, exchanged = 0, mass = 0;
 
-  /// speed: below which nothing moves, m/s.
+  /// True if the gain exceeds the tolerance. speed: slower motion counts as rest, m/s.
   bool exceeds_tolerance(Real speed) const noexcept {
     return gained > max_spring_gain * exchanged + mass * speed * speed;
   }
@@ -198,7 +201,7 @@ SpringGain spring_gain(const typename Net::Params& par, const Velocities& v, con
   sum.gained = Real(-0.5) * m_v_sq;
   Pack gained = 0, exchanged = 0;
   for (const NodeGroup& group : w.groups()) {
-    // where the stage starts, and how far the nodes move in it
+    // at the start of the stage, and the nodes' motion in it
     const auto start = [&](const auto& nodes) noexcept -> Vector3<Pack> {
       return in_lanes(w.p, nodes) - in_lanes(w.v, nodes) * Pack(h);
     };

@@ -70,7 +70,7 @@ void add_block(std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij, Syst
 
 /// Replaces the unknown numbered k by the coordinates of its joint (33).
 template <class System>
-void take_by_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexcept {
+void project_on_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexcept {
   if (joint.has_parent()) {
     const std::uint32_t p = w.number_of[joint.parent];
     for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) {
@@ -125,7 +125,7 @@ void factorize(System& w) noexcept {
   }
   for (std::uint32_t k = 0; k < w.size; ++k) {
     const std::uint32_t u = w.unknown[k];
-    if (const BlockJoint* joint = w.joint_of(u)) take_by_axes(k, *joint, w);
+    if (const BlockJoint* joint = w.joint_of(u)) project_on_axes(k, *joint, w);
     w.with_columns(u, [&](auto columns) noexcept {
       constexpr int C = decltype(columns)::value;
       Pivot& pivot = w.pivots[k];
@@ -153,7 +153,7 @@ void solve(const System& w, B& b, OfV& V) noexcept {
     }
     w.with_columns(u, [&](auto columns) noexcept {
       constexpr int C = decltype(columns)::value;
-      b_k = scaled<C>(lowered<C>(w.pivots[k], b_k), w.pivots[k]);
+      b_k = scaled<C>(solve_lower<C>(w.pivots[k], b_k), w.pivots[k]);
       for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
         const std::uint32_t i = w.unknown[w.row[c]];
         w.with_rows(
@@ -173,7 +173,7 @@ void solve(const System& w, B& b, OfV& V) noexcept {
           add_product_transposed<decltype(rows)::value, C>(w.Z[c], V[i], sum);
         });
       }
-      V_k = raised<C>(w.pivots[k], b[u] - scaled<C>(sum, w.pivots[k]));
+      V_k = solve_upper<C>(w.pivots[k], b[u] - scaled<C>(sum, w.pivots[k]));
     });
     if (const BlockJoint* joint = w.joint_of(u)) {
       V_k = moved_along(*joint, V_k.v);

@@ -17,7 +17,7 @@ class BlockOrder {
  public:
   explicit BlockOrder(System& w) noexcept : w_(w) {}
 
-  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the available blocks.
+  /// Orders for a complete factor. Returns false, without an order, if the fill-in exceeds the free blocks.
   bool find_complete() noexcept {
     if (!find_neighbours(w_.max_unknowns * w_.max_unknowns)) return false;
     std::size_t used = 0;
@@ -28,7 +28,7 @@ class BlockOrder {
         typename System::Set& of_i = w_.neighbours[i];
         of_i.insert(w_.neighbours[next], w_.size);
         of_i.erase(i);
-        leave(next, i);
+        remove_neighbour(next, i);
       });
       return true;
     });
@@ -45,13 +45,13 @@ class BlockOrder {
           join(i, j);
         });
       });
-      all.each(w_.size, [&](std::uint32_t i) noexcept { leave(next, i); });
+      all.each(w_.size, [&](std::uint32_t i) noexcept { remove_neighbour(next, i); });
       return true;
     }));
   }
 
  private:
-  static constexpr std::uint32_t not_yet = 0xfffe, eliminated = 0xffff;
+  static constexpr std::uint32_t not_ready = 0xfffe, eliminated = 0xffff;
 
   void join(std::uint32_t i, std::uint32_t j) noexcept {
     w_.neighbours[i].insert(j);
@@ -59,14 +59,14 @@ class BlockOrder {
     ++used_;
   }
   /// Removes `next` from the neighbours of i after its elimination.
-  void leave(std::uint32_t next, std::uint32_t i) noexcept {
+  void remove_neighbour(std::uint32_t next, std::uint32_t i) noexcept {
     w_.neighbours[i].erase(next);
     w_.degree[i] = degree_of(i);
   }
   /// Returns the size of the neighbourhood of an unknown, in threes.
   std::uint32_t degree_of(std::uint32_t i) const noexcept {
     if constexpr (System::jointed) {
-      if (w_.hanging[i] > 0) return not_yet;
+      if (w_.remaining_children[i] > 0) return not_ready;
     }
     std::uint32_t degree = w_.neighbours[i].size(w_.size);
     if constexpr (System::has_nodes) {
@@ -81,13 +81,13 @@ class BlockOrder {
     used_ = 0;
     for (std::uint32_t i = 0; i < w_.size; ++i) {
       w_.neighbours[i] = {};
-      if constexpr (System::jointed) w_.hanging[i] = 0;
+      if constexpr (System::jointed) w_.remaining_children[i] = 0;
     }
     if constexpr (System::jointed) {
       for (std::uint32_t i = 0; i < w_.size; ++i) {
         const BlockJoint& joint = w_.joints[w_.unknown[i]];
         if (!joint.has_parent()) continue;
-        ++w_.hanging[w_.number_of[joint.parent]];
+        ++w_.remaining_children[w_.number_of[joint.parent]];
         join(i, w_.number_of[joint.parent]);
       }
     }
@@ -108,15 +108,14 @@ class BlockOrder {
   template <class Eliminate>
   bool eliminate(Eliminate join_neighbours) noexcept {
     for (std::uint32_t k = 0; k < w_.size; ++k) {
-      std::uint32_t least =
-          ~std::uint32_t(0);  // degree, then place: one number, which no branch has to wait for
+      std::uint32_t least = ~std::uint32_t(0);  // degree, then place: one number, compared without branches
       for (std::uint32_t i = 0; i < w_.size; ++i) least = std::min(least, w_.degree[i] << 16 | i);
       const std::uint32_t next = least & 0xffff;
       w_.degree[next] = eliminated;
       w_.order[k] = next;
       if constexpr (System::jointed) {
         const BlockJoint& joint = w_.joints[w_.unknown[next]];
-        if (joint.has_parent()) --w_.hanging[w_.number_of[joint.parent]];
+        if (joint.has_parent()) --w_.remaining_children[w_.number_of[joint.parent]];
       }
       if (!join_neighbours(next)) return false;
     }

@@ -1,7 +1,7 @@
 // Symmetric block system of all coupled unknowns of a stage: A V = b (26). Unknowns are twists of bodies
 // about their centres of mass, and velocities of nodes. A term declares its coupling once with couple() and
-// adds its values with add_*() whenever they change: an effective mass A (h times an impedance) and an
-// impulse b. Joints are no terms: `joints` eliminate unknowns (33).
+// adds its values with add_*() whenever they change. Values are an effective mass A (h times an impedance)
+// and an impulse b. Joints are no terms: `joints` eliminate unknowns (33).
 //
 // An implementation, with line_search.h, of the approach of Drake's irrotational contact fields (Castro, Han,
 // Masterjohn 2024). docs/step.md lists the differences.
@@ -19,7 +19,7 @@ namespace godobject {
 struct BlockEntry {
   std::uint32_t i = 0, j = 0;  // unknowns
   std::uint32_t slot = 0;      // of the system's blocks, or no_slot
-  SpatialMatrix A;             // where the factor is not complete
+  SpatialMatrix A;             // value, if the factor is incomplete
 };
 inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
 
@@ -45,7 +45,7 @@ struct BlockSystem {
   static constexpr std::size_t max_bodies = max_bodies_, max_unknowns = max_bodies_ + max_nodes_;
   static constexpr std::size_t max_entries = max_entries_, room = room_;
   static constexpr bool has_nodes = max_nodes_ > 0, jointed = jointed_, always_keeps = always_keeps_;
-  static constexpr bool is_coupled = false;  // with nodes of nets
+  static constexpr bool is_coupled = false;  // true with nodes of nets
   static_assert(max_unknowns < 0xfffe);
   static_assert(!jointed || room >= max_unknowns, "a joint needs its block");
   using Vector = std::array<SpatialVector, max_unknowns>;
@@ -77,7 +77,7 @@ struct BlockSystem {
   std::array<Set, max_unknowns> neighbours;
   std::array<std::uint32_t, max_unknowns> degree, order;
   [[no_unique_address]] std::conditional_t<jointed, std::array<std::uint32_t, max_unknowns>, Absent<15>>
-      hanging;
+      remaining_children;
 
   static constexpr bool is_body(std::uint32_t u) noexcept { return !has_nodes || u < max_bodies; }
   const BlockJoint* joint_of(std::uint32_t u) const noexcept {

@@ -67,7 +67,7 @@ void keep_balance(const System& system, Vectors& x) noexcept {
 /// speed_sq(u, V): squared speed of unknown u at V. tolerance: m/s; the iteration ends when all speeds are
 /// below it.
 template <class System, class Vectors, class Speed>
-Iterated iterate(int most_iterations, Real tolerance, const System& system, Vectors& x,
+Iterated iterate(int iteration_limit, Real tolerance, const System& system, Vectors& x,
                  Speed speed_sq) noexcept {
   const auto& b = system.b;
   system.multiply(x.V_0, x.AV_0);
@@ -85,7 +85,7 @@ Iterated iterate(int most_iterations, Real tolerance, const System& system, Vect
   Real last = 1;
   bool converged = false;
   int iterations = 0;
-  for (; iterations < most_iterations; ++iterations) {
+  for (; iterations < iteration_limit; ++iterations) {
     solve(system, x.Ap, x.z);
     Real error_sq = 0;
     SpatialSum rz, AV_0_z;
@@ -96,7 +96,9 @@ Iterated iterate(int most_iterations, Real tolerance, const System& system, Vect
     });
     // coupled: residual exactly zero, as of a net at rest
     converged = System::is_coupled ? rz == 0 : iterations > 0 && error_sq <= tolerance * tolerance;
-    if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
+    if (converged || !(rz > 0))
+      break;  // otherwise the factor has lost its last digits, and no direction
+              // remains
     const Real mu = norm_0 > 0 ? AV_0_z / norm_0 : 0, beta = rz / last;
     last = rz;
     system.each([&](auto u) noexcept {

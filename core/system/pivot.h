@@ -74,7 +74,7 @@ void factor(const SymmetricSpatialMatrix& A, Pivot& f) noexcept {
 
 /// Returns L^-1 b.
 template <int rows>
-SpatialVector lowered(const Pivot& f, SpatialVector b) noexcept {
+SpatialVector solve_lower(const Pivot& f, SpatialVector b) noexcept {
   if constexpr (rows == 2) {
     b.w -= f.ww.col[0] * b.w.all<0>();
     b.w -= f.ww.col[1] * b.w.all<1>();
@@ -93,7 +93,7 @@ SpatialVector scaled(const SpatialVector& b, const Pivot& f) noexcept {
 }
 /// Returns L^-T b.
 template <int rows>
-SpatialVector raised(const Pivot& f, SpatialVector V) noexcept {
+SpatialVector solve_upper(const Pivot& f, SpatialVector V) noexcept {
   V.v -= f.vv_T.col[2] * V.v.all<2>();
   V.v -= f.vv_T.col[1] * V.v.all<1>();
   if constexpr (rows == 2) {

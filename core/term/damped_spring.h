@@ -24,12 +24,12 @@ struct DampedSpringParams {
   Real l_0 = 0;    // rest length, m
 };
 
-template <class IsThere>
-bool is_valid(const DampedSpringParams& par, IsThere is_there) noexcept {
+template <class Exists>
+bool is_valid(const DampedSpringParams& par, Exists exists) noexcept {
   const auto is_number = [](Real x) noexcept { return x >= 0 && x - x == 0; };
   const Real p = par.a.p.sum() + par.b.p.sum();
-  return (par.a.on == TermEnds::on_world || is_there(par.a.on)) && is_there(par.b.on) &&
-         par.a.on != par.b.on && p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
+  return (par.a.on == TermEnds::on_world || exists(par.a.on)) && exists(par.b.on) && par.a.on != par.b.on &&
+         p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
 }
 
 /// Spring in a stage (37): the impulse J - K x' on b, with x' at the end of the stage. K = h (h K_s + G),
@@ -38,7 +38,7 @@ bool is_valid(const DampedSpringParams& par, IsThere is_there) noexcept {
 struct SpringStage {
   TermEnds ends;
   Column r_a, r_b;  // from the centres of mass, world axes
-  Column F_0;       // force on b where the stage starts
+  Column F_0;       // force on b at the start of the stage
   Column J;
   Block K;
 };
@@ -68,7 +68,7 @@ struct DampedSprings {
       G = par.g * along;
       F = -par.k * (l - par.l_0) * u;
       const Real start = x_0.norm();
-      F_0 *= start > 0 ? 1 - par.l_0 / start : 0;  // without length it has no direction
+      F_0 *= start > 0 ? 1 - par.l_0 / start : 0;  // without length there is no direction
     }
     const Mat3 K = h * (h * K_s + G);
     w = {.ends = {.i = par.a.on, .j = par.b.on},
@@ -89,7 +89,7 @@ struct DampedSprings {
   /// Makes the velocities of the term relative to V.
   template <class Twists>
   static void shift(const Twists& V, Stage& w) noexcept {
-    w.J -= w.K * opening(V, w);
+    w.J -= w.K * extension_rate(V, w);
   }
 
   template <class System>
@@ -110,7 +110,7 @@ struct DampedSprings {
   /// Calls f(u, impulse on u about its centre of mass) at the twists V.
   template <class Twists, class F>
   static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
-    const SpatialVector J{.w = Column(Pack(0)), .v = w.J - w.K * opening(V, w)};
+    const SpatialVector J{.w = Column(Pack(0)), .v = w.J - w.K * extension_rate(V, w)};
     f(w.ends.j, moved_wrench(J, w.r_b));
     if (w.ends.is_between()) f(w.ends.i, moved_wrench(J * Real(-1), w.r_a));
   }
@@ -134,7 +134,7 @@ struct DampedSprings {
   }
   /// Returns x' at the twists V.
   template <class Twists>
-  static Column opening(const Twists& V, const Stage& w) noexcept {
+  static Column extension_rate(const Twists& V, const Stage& w) noexcept {
     const Column v_b = shifted(V[w.ends.j], w.r_b).v;
     return w.ends.is_between() ? v_b - shifted(V[w.ends.i], w.r_a).v : v_b;
   }

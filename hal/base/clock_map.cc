@@ -6,9 +6,9 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds no_tolerance = std::numeric_limits<Nanoseconds>::max();
-/// Residual tolerance of a window: this multiple of the median residual, at least least_tolerance (ns).
+/// Residual tolerance of a window: this multiple of the median residual, at least min_tolerance (ns).
 constexpr Nanoseconds outlier_ratio = 4;
-constexpr Nanoseconds least_tolerance = 20'000;
+constexpr Nanoseconds min_tolerance = 20'000;
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void ClockMap::add(Nanoseconds device, Nanoseconds host) noexcept {
   if (!started_) {
     started_ = true;
     window_begin_ = device;
-    least_ = point;
+    least_delayed_ = point;
     origin_ = device;
     offset_ = point.offset;
     return;
@@ -25,16 +25,16 @@ void ClockMap::add(Nanoseconds device, Nanoseconds host) noexcept {
   if (device - window_begin_ >= window_) {
     close_window();
     window_begin_ = device;
-    least_ = point;
-  } else if (point.offset < least_.offset) {
-    least_ = point;
+    least_delayed_ = point;
+  } else if (point.offset < least_delayed_.offset) {
+    least_delayed_ = point;
   }
   // Fewer than three windows do not determine a line: the smallest offset so far is used.
   if (num_points_ < 3) offset_ = std::min(offset_, point.offset);
 }
 
 void ClockMap::close_window() noexcept {
-  points_[next_] = least_;
+  points_[next_] = least_delayed_;
   next_ = (next_ + 1) % num_windows;
   num_points_ = std::min(num_points_ + 1, num_windows);
   if (num_points_ < 3) return;
@@ -43,7 +43,7 @@ void ClockMap::close_window() noexcept {
   for (std::size_t i = 0; i < num_points_; ++i) residuals[i] = std::abs(residual(points_[i]));
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(num_points_ / 2);
   std::nth_element(residuals.begin(), middle, residuals.begin() + static_cast<std::ptrdiff_t>(num_points_));
-  fit(std::max(outlier_ratio * *middle, least_tolerance));
+  fit(std::max(outlier_ratio * *middle, min_tolerance));
 }
 
 /// Fits the line by least squares to the points whose residual from the present line is at most `tolerance`

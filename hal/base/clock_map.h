@@ -62,7 +62,7 @@ class ClockMap {
   Nanoseconds window_;
   std::array<Point, num_windows> points_{};  // ring buffer: least delayed message of each closed window
   std::size_t num_points_ = 0, next_ = 0;
-  Point least_{};  // least delayed message of the open window
+  Point least_delayed_{};  // least delayed message of the open window
   Nanoseconds window_begin_ = 0;
   bool started_ = false;
   Nanoseconds origin_ = 0, offset_ = 0;

@@ -12,9 +12,9 @@
 
 namespace godobject {
 
-/// Behaviour of the nodes: boot-up message at the board's first frame and after each restart of its clock,
-/// which resets its counts; NMT; heartbeats; TPDO1 at every SYNC. Other messages are accepted and not
-/// answered, because the nodes have no objects. No call allocates.
+/// Behaviour of the nodes: NMT, heartbeats, and TPDO1 at every SYNC. They send boot-up messages at the
+/// board's first frame and after each restart of its clock, which resets its counts. Other messages are
+/// accepted and not answered, because the nodes have no objects. No call allocates.
 ///
 /// A board samples at its own times, a CiA 406 encoder at the end of SYNC. The answer extrapolates the newest
 /// frame to the end of SYNC with the speed between the last two frames, by the board's clock. At acceleration

@@ -17,10 +17,10 @@ struct CanFilter {
 
 /// True if a receiver with these filters receives the frame. Without filters every frame passes.
 constexpr bool passes(std::span<const CanFilter> filters, const CanFrame& frame) noexcept {
-  const auto wants = [&](const CanFilter& filter) {
+  const auto accepts = [&](const CanFilter& filter) {
     return filter.extended == frame.extended && (frame.id & filter.mask) == (filter.id & filter.mask);
   };
-  return filters.empty() || std::ranges::any_of(filters, wants);
+  return filters.empty() || std::ranges::any_of(filters, accepts);
 }
 
 }  // namespace godobject

@@ -121,9 +121,9 @@ ParseResult parse_state(std::string_view text, Reply& reply) noexcept {
   std::uint32_t receive = 0, transmit = 0;
   if (!take(text, 3, 10, receive) || !take(text, 3, 10, transmit)) return ParseResult::bad_value;
   // The transmit error counter exceeds 255 at bus-off; the report clamps it like a controller's register.
-  constexpr std::uint32_t most = 255;
-  reply.report.counters = {.transmit = static_cast<std::uint8_t>(std::min(transmit, most)),
-                           .receive = static_cast<std::uint8_t>(std::min(receive, most))};
+  constexpr std::uint32_t max_counter = 255;
+  reply.report.counters = {.transmit = static_cast<std::uint8_t>(std::min(transmit, max_counter)),
+                           .receive = static_cast<std::uint8_t>(std::min(receive, max_counter))};
   reply.kind = ReplyKind::error_report;
   return ParseResult::ok;
 }

@@ -1,17 +1,18 @@
-// SLCAN, the ASCII protocol of Lawicel's CAN232 and CANUSB and of their many clones: lines that end with CR,
-// or with BEL if a command was refused. Host to adapter:
+// SLCAN, the ASCII protocol of Lawicel's CAN232 and CANUSB and of their many clones. Lines end with CR, or
+// with BEL if a command was refused. Host to adapter:
 //   S0..S8                    bit rate, see bit_rates; only while the channel is closed
 //   O, L, C                   open, open for listening only, close the channel
 //   tIIILDD..                 send: three digits of identifier, size, data (hexadecimal)
 //   TIIIIIIIILDD..            as t, with eight digits of identifier (29 bits)
 //   rIIIL, RIIIIIIIIL         as t and T, remote frames
 //   F, V, N, Z0, Z1           status flags, version, serial number, time stamps off and on
-// Adapter to host: received frames in the same form, with four digits of milliseconds at the end after Z1; z
-// or Z for an accepted frame; F and two digits. Linux's slcan driver also accepts sSRRRTTT and eNXX.. from
-// the adapter: the controller's state with its receive and transmit error counters, and N error letters.
-// Adapters for CAN FD send FD frames as d, D, b and B, with a DLC of one digit: they are recognised, not
-// decoded. Adapters differ: stock CANables answer to V alone, some acknowledge with LF, UCCB accepts one
-// command per write.
+//
+// Adapter to host: received frames in the same form, with four digits of milliseconds at the end after Z1.
+// Other lines are z or Z for an accepted frame, and F with two digits. Linux's slcan driver also accepts
+// sSRRRTTT and eNXX.. from the adapter: the controller's state with its receive and transmit error counters,
+// and N error letters. Adapters for CAN FD send FD frames as d, D, b and B, with a DLC of one digit: they are
+// recognised, not decoded. Adapters differ: stock CANables answer to V alone, some acknowledge with LF, UCCB
+// accepts one command per write.
 //
 // Limits: no CAN FD; no controller state beyond the flags of F, thus no bus-off and no restart (except in the
 // dialect of Linux's driver). Time stamps resolve 1 ms; hardware stamps cannot be distinguished from host

@@ -5,8 +5,8 @@
 namespace godobject {
 namespace {
 
-// Classic format: bits subject to stuffing besides the data (start of frame to end of CRC), and the fixed
-// tail: CRC delimiter, acknowledge slot and delimiter, end of frame, intermission.
+// Classic format: bits subject to stuffing besides the data (start of frame to end of CRC). The fixed tail
+// consists of CRC delimiter, acknowledge slot and delimiter, end of frame, intermission.
 constexpr int classic_stuffed_overhead(bool extended) { return extended ? 54 : 34; }
 constexpr int crc_delimiter_bits = 1;
 constexpr int acknowledge_slot_bits = 1;
@@ -79,8 +79,8 @@ int exact_classic_bits(const CanFrame& frame) {
   return bits.count() + classic_tail_bits;
 }
 
-// FD: bits at the nominal rate (head up to BRS, tail from the CRC delimiter) and at the data rate (ESI, DLC,
-// data, stuff count, CRC 17 or 21 with fixed stuff bits).
+// FD: bits at the nominal rate are the head up to BRS and the tail from the CRC delimiter. At the data rate
+// are ESI, DLC, data, stuff count, and the CRC of 17 or 21 bits with fixed stuff bits.
 FrameBits fd_bits(const CanFrame& frame, bool worst) {
   const int head = frame.extended ? 36 : 17;
   const int n = frame.size;

@@ -19,9 +19,9 @@ struct TransmitCounters {
 };
 
 /// A bus in front of another. Frames pass straight through as long as the bus accepts them. If it is full:
-/// - a frame with the identifier of a slot (cyclic frames: SYNC, drive commands) waits in its slot, and a
-///   newer one replaces it. A command of the last cycle is thus never sent after that of this cycle;
-/// - any other frame (NMT, SDO) waits in a queue, in order; try_send returns full if that is full as well.
+/// - A frame with the identifier of a slot (cyclic frames: SYNC, drive commands) waits in its slot, and a
+///   newer one replaces it. A command of the last cycle is thus never sent after that of this cycle.
+/// - Any other frame (NMT, SDO) waits in a queue, in order; try_send returns full if that is full as well.
 /// Waiting frames are offered to the bus again at each later call: the queue first, then the slots in the
 /// order of add_slot(). They are dropped when their lifetime is over or the bus is cut off.
 class PacedCanBus final : public CanBus {

@@ -44,8 +44,8 @@ constexpr std::uint32_t default_cob_id(PdoDirection direction, int number, std::
                                             : canopen::tpdo_cob_id(number, node);
 }
 
-/// Appends the six steps of a remap in the only order that all devices accept: switch off, count 0, entries,
-/// count, transmission type and times, switch on. Then each value is read back. transmission: value of xx:02.
+/// Appends the steps of a remap, then reads each value back. transmission: value of xx:02. All devices accept
+/// only this order: switch off, count 0, entries, count, transmission type and times, switch on.
 void append_map_steps(const PdoProfile& pdo, std::uint8_t node, std::uint8_t transmission,
                       std::vector<SdoStep>& steps);
 

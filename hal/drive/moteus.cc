@@ -176,10 +176,10 @@ void put_query(SubframeWriter& out) noexcept {
 }  // namespace
 
 std::vector<CanFilter> filters(std::uint8_t node) {
-  constexpr std::uint32_t all = 0x1FFF'FFFF, all_standard = 0x7FF, asks = 0x8000;
+  constexpr std::uint32_t all = 0x1FFF'FFFF, all_standard = 0x7FF, reply_requested = 0x8000;
   const std::uint32_t from = std::uint32_t{node} << 8;
   std::vector<CanFilter> filters{{.id = from, .mask = all & ~0xFFu, .extended = true},
-                                 {.id = asks | node, .mask = all, .extended = true}};
+                                 {.id = reply_requested | node, .mask = all, .extended = true}};
   if (from <= all_standard) filters.push_back({.id = from, .mask = all_standard});
   return filters;
 }

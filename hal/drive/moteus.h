@@ -1,9 +1,9 @@
 // moteus motor controllers: registers read and written in sub-frames of CAN FD frames with bit-rate switch.
 //
 // id = source << 8 | destination, extended above 7FFh; bit 7 of the source requests a reply. The host is 0. A
-// frame is a sequence of sub-frames: one byte for kind, type and count, then the first register and, for a
-// write or reply, the values, little-endian; 50h pads. Integers are multiples of a quantum that depends on
-// type and register; the most negative one is NaN.
+// frame is a sequence of sub-frames, padded with 50h. A sub-frame has one byte for kind, type and count, then
+// the first register and, for a write or reply, the values, little-endian. Integers are multiples of a
+// quantum that depends on type and register; the most negative one is NaN.
 #pragma once
 
 #include "hal/drive/link.h"

@@ -59,10 +59,10 @@ bool OdriveLink::enabled() const noexcept {
 // Returns the next step towards enabled. Errors are cleared first. The mode is sent before each state change,
 // because the drive may have rebooted.
 OdriveLink::Step OdriveLink::next_step(Nanoseconds now) const noexcept {
-  const Step wanted = has_error() ? clear_errors : torque_mode;
-  if (wanted == torque_mode && last_step_ == torque_mode) return closed_loop;
-  const bool asked = last_step_ == wanted || (wanted == torque_mode && last_step_ == closed_loop);
-  return asked && now - t_last_step_ns_ < retry_ns ? waiting : wanted;
+  const Step next = has_error() ? clear_errors : torque_mode;
+  if (next == torque_mode && last_step_ == torque_mode) return closed_loop;
+  const bool pending = last_step_ == next || (next == torque_mode && last_step_ == closed_loop);
+  return pending && now - t_last_step_ns_ < retry_ns ? waiting : next;
 }
 
 DriveFrame OdriveLink::command(const DriveOrder& order, Nanoseconds now) const noexcept {

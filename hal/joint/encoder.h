@@ -34,11 +34,11 @@ struct EncoderCounters {
 /// bound: a true fast motion is never locked out. A single spike invalidates one cycle only. If
 /// `votes_needed` of the last `votes_window` samples were rejected, the sensor is no longer `trusted()`, and
 /// the rig reports a fault. If `votes_needed` consecutive samples are rejected but agree with each other, the
-/// joint has in fact moved there (the sensor was reset, counts were lost). They then become the new reference
-/// and velocity restarts.
+/// joint has moved there: the sensor was reset, or counts were lost. They then become the new reference and
+/// velocity restarts.
 ///
-/// Turns. The first sample, and a sample after a gap in which the joint could have moved half the modulus,
-/// selects the turn with q nearest to home. In between, turns are tracked.
+/// Turns. The first sample selects the turn with q nearest to home. So does a sample after a gap in which the
+/// joint could have moved half the modulus. In between, turns are tracked.
 class Encoder {
  public:
   static constexpr int votes_needed = 3;

@@ -1,10 +1,10 @@
 // Joint velocity from quantised positions: first-order adaptive windowing, best-fit variant.
 //
 // Janabi-Sharifi, Hayward, Chen, "Discrete-time adaptive windowing for velocity estimation", IEEE
-// Trans. Control Systems Technology 8(6), 2000. The window is the longest one whose least-squares
-// line stays within the noise band at every sample: long (precise) when slow, short (prompt) when
-// the motion bends. A plain difference errs by one quantum per period; a full window of n periods
-// by about one quantum per n periods.
+// Trans. Control Systems Technology 8(6), 2000. The window is the longest one whose least-squares line stays
+// within the noise band at every sample. It is long (precise) in slow motion, short (prompt) when the motion
+// bends. A plain difference errs by one quantum per period; a full window of n periods by about one quantum
+// per n periods.
 #pragma once
 
 #include <array>

@@ -78,8 +78,8 @@ class Rig {
   /// Cycles at zero torque in which every drive must report that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
 
-  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates;
-  /// no other function does.
+  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates,
+  /// as fault_text() and place_text() do; no other function does.
   Rig(const RigParams& params, std::span<CanBus* const> buses);
   Rig(Rig&&) noexcept = default;
   Rig& operator=(Rig&&) noexcept = default;
@@ -92,8 +92,8 @@ class Rig {
   void disarm() noexcept;
   /// fault -> booting: clears the sticky bits; armed again only after boot and an explicit arm().
   void clear_faults(Nanoseconds now) noexcept;
-  /// any but off -> fault: the next command() stops every drive by its own fastest means (CiA 402: quick
-  /// stop, by option code 605Ah; ODrive: idle; moteus: stopped). clear_faults() recovers.
+  /// any but off -> fault: the next command() stops every drive by its own fastest means. For CiA 402 these
+  /// are a quick stop by option code 605Ah, for ODrive idle, for moteus stopped. clear_faults() recovers.
   void quick_stop() noexcept;
   /// any but off -> fault: the host missed too many deadlines.
   void deadlines_missed() noexcept;

@@ -10,11 +10,10 @@ namespace godobject {
 
 /// Watches one component of a displayed wrench, or one motor's command.
 ///
-/// An oscillation is detected if, within 0.5 s, the value has reversed at least 25 times, each time after a
-/// travel of at least half of the bounds' maximum per period. In addition it must be at a bound (of size or
-/// rate) in at least 80 % of the cycles. 25 reversals correspond to 25 Hz: faster than a hand (10 Hz). Values
-/// below their bounds, as of a texture, never count. Counts are kept in tenths of the window, which delays
-/// detection by at most 0.05 s.
+/// Detects an oscillation: at least 25 reversals within 0.5 s, each after a travel of at least half of the
+/// bounds' maximum per period. In addition the value must be at a bound (of size or rate) in at least 80 % of
+/// the cycles. 25 reversals correspond to 25 Hz: faster than a hand (10 Hz). Values below their bounds, as of
+/// a texture, never count. Counts are kept in tenths of the window, which delays detection by at most 0.05 s.
 class SwingWatch {
  public:
   static constexpr double window_s = 0.5;

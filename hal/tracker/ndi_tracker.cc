@@ -8,13 +8,14 @@ namespace {
 constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds reset_patience = 2500 * ms;
 constexpr Nanoseconds setup_patience = 5000 * ms;  // INIT and PINIT take seconds on some trackers
-constexpr Nanoseconds most_poll_patience = 500 * ms;
+constexpr Nanoseconds max_poll_patience = 500 * ms;
 constexpr Nanoseconds poll_margin = 3 * ms;  // separates a late reply from a lost one
 constexpr Nanoseconds poll_silence = 1500 * ms;
-constexpr Nanoseconds settle = 200 * ms;      // after a change of the bit rate; the API requires 100 ms
-constexpr Nanoseconds quiet = 8 * ms;         // after a broken reply: its rest may follow
-constexpr Nanoseconds most_quiet = 300 * ms;  // longest reply at 9600 bit/s
-constexpr Nanoseconds poll_period = 1 * ms;   // minimum: avoids flooding a fast line
+constexpr Nanoseconds rate_change_pause =
+    200 * ms;                                // after a change of the bit rate; the API requires 100 ms
+constexpr Nanoseconds quiet = 8 * ms;        // after a broken reply: its rest may follow
+constexpr Nanoseconds max_quiet = 300 * ms;  // longest reply at 9600 bit/s
+constexpr Nanoseconds poll_period = 1 * ms;  // minimum: avoids flooding a fast line
 constexpr Nanoseconds retry_period = 5000 * ms;
 
 constexpr std::array step_names{"slow down", "break", "COMM",   "set rate", "INIT",  "PHSR:01",
@@ -106,7 +107,7 @@ void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
 }
 
 /// Returns a description of the bytes received instead of a reply, or `otherwise` if there were none.
-const char* NdiTracker::not_understood(const char* otherwise) noexcept {
+const char* NdiTracker::unread_or(const char* otherwise) noexcept {
   if (unread_.empty()) return otherwise;
   unread_.describe(TrackerProtocol::ndi, params_.baud, unread_text_);
   return unread_text_.data();
@@ -149,14 +150,14 @@ Nanoseconds NdiTracker::patience() const noexcept {
   return step_ == Step::poll ? poll_patience() : setup_patience;
 }
 
-/// Returns the timeout of a poll, derived from earlier replies: transfer time of command and reply plus the
-/// tracker's own time, which on some trackers lasts until a measurement ends. A later reply counts as lost,
-/// and the poll is repeated at once; after several consecutive losses, less and less often.
+/// Returns the timeout of a poll, derived from earlier replies. They contain the transfer time of command and
+/// reply and the tracker's own time, which on some trackers lasts until a measurement ends. A later reply
+/// counts as lost, and the poll is repeated at once; after several consecutive losses, less and less often.
 Nanoseconds NdiTracker::poll_patience() const noexcept {
   constexpr int eager_tries = 4;
-  if (longest_answer_ == 0) return most_poll_patience;
+  if (longest_answer_ == 0) return max_poll_patience;
   const Nanoseconds soon = longest_answer_ + longest_answer_ / 4 + poll_margin;
-  return std::min(soon << std::clamp(tries_ - eager_tries, 0, 6), most_poll_patience);
+  return std::min(soon << std::clamp(tries_ - eager_tries, 0, 6), max_poll_patience);
 }
 
 LineRequest NdiTracker::send(Nanoseconds now) noexcept {
@@ -165,11 +166,11 @@ LineRequest NdiTracker::send(Nanoseconds now) noexcept {
   reply_began_ = false;
   deadline_ = now + patience();
   if (tries_ == 0) {
-    num_asked_ = 0;
-    t_first_asked_ = now;
+    num_unanswered_ = 0;
+    t_first_polled_ = now;
   }
-  ++num_asked_;
-  t_asked_ = now;
+  ++num_unanswered_;
+  t_polled_ = now;
   ++tries_;
   if (step_ == Step::send_break) return {.kind = LineRequest::Kind::serial_break};
   command_ = command();
@@ -187,7 +188,7 @@ LineRequest NdiTracker::next(Nanoseconds now) noexcept {
       return {.kind = LineRequest::Kind::set_baud, .baud = ndi::default_baud};
     case Step::follow_rate:
       go(Step::initialise);
-      not_before_ = now + settle;
+      not_before_ = now + rate_change_pause;
       return {.kind = LineRequest::Kind::set_baud, .baud = params_.baud};
     default: return send(now);
   }
@@ -201,37 +202,37 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
   }
   if (step_ == Step::poll && tries_ == 0) return;  // the poll was answered; the two sent polls got one answer
   ++report_.counters.timeouts;
-  if (step_ == Step::poll && now - t_first_asked_ < poll_silence) return;
+  if (step_ == Step::poll && now - t_first_polled_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;
   if (tries_ >= allowed)
     give_up_or_restart(
-        not_understood("no reply: check that the tracker is switched on and connected to this port"), now);
+        unread_or("no reply: check that the tracker is switched on and connected to this port"), now);
 }
 
 /// Handles the answer to a poll. A repeated poll may be answered twice: its second answer is awaited,
 /// otherwise it would be attributed to the next poll. If all answers arrive, none was lost: the reply time is
 /// that of the first.
 void NdiTracker::on_poll_answered(Nanoseconds now) noexcept {
-  if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_asked_)) / 64;
-  if (tries_ > 0) took_ = now - t_first_asked_;
+  if (tries_ == 1) longest_answer_ -= (longest_answer_ - (now - t_polled_)) / 64;
+  if (tries_ > 0) answer_time_ = now - t_first_polled_;
   tries_ = 0;
-  awaiting_ = --num_asked_ > 0;
+  awaiting_ = --num_unanswered_ > 0;
   reply_began_ = false;
-  if (awaiting_) deadline_ = std::max(deadline_, t_asked_ + took_ + poll_margin);
-  else longest_answer_ = std::max(longest_answer_, took_);
+  if (awaiting_) deadline_ = std::max(deadline_, t_polled_ + answer_time_ + poll_margin);
+  else longest_answer_ = std::max(longest_answer_, answer_time_);
 }
 
 void NdiTracker::on_lost_reply(Nanoseconds now) noexcept {
   awaiting_ = false;
   not_before_ = now + quiet;
-  quiet_until_ = now + most_quiet;
+  quiet_until_ = now + max_quiet;
   if (step_ == Step::send_break) return go(Step::set_rate);
   if (report_.state == TrackerState::initialising)
-    enter(TrackerState::initialising, "%s: %s", name_of(step_), not_understood("replies are not readable"));
+    enter(TrackerState::initialising, "%s: %s", name_of(step_), unread_or("replies are not readable"));
   if (step_ == Step::poll) {
     tries_ = 0;  // the tracker does answer
   } else if (tries_ >= max_tries) {
-    give_up_or_restart(not_understood("replies are not readable: check cable and baud"), now);
+    give_up_or_restart(unread_or("replies are not readable: check cable and baud"), now);
   }
 }
 

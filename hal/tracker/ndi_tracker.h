@@ -74,7 +74,7 @@ class NdiTracker final : public Tracker {
   void next_handle() noexcept;
   void next_definition() noexcept;
   std::optional<std::size_t> tool_of(std::uint8_t handle) const noexcept;
-  const char* not_understood(const char* otherwise) noexcept;
+  const char* unread_or(const char* otherwise) noexcept;
   bool was_tracking() const noexcept { return report_.state == TrackerState::tracking; }
 
   ToolDefinitions definitions_;
@@ -96,10 +96,10 @@ class NdiTracker final : public Tracker {
   Nanoseconds t_reply_ = 0;          // arrival of the first byte of the reply
   Nanoseconds boot_deadline_ = 0;    // for tracking to begin
   int tries_ = 0;                    // attempts of this step; polls since the last answer
-  int num_asked_ = 0;                // unanswered polls
-  Nanoseconds t_asked_ = 0;          // time of the last poll
-  Nanoseconds t_first_asked_ = 0;    // time of the first poll since the last answer
-  Nanoseconds took_ = 0;             // from the first poll to the answer, if the poll was repeated
+  int num_unanswered_ = 0;           // polls
+  Nanoseconds t_polled_ = 0;         // time of the last poll
+  Nanoseconds t_first_polled_ = 0;   // time of the first poll since the last answer
+  Nanoseconds answer_time_ = 0;      // from the first poll to the answer, if the poll was repeated
   Nanoseconds longest_answer_ = 0;   // longest recent time from a poll to the end of its reply; 0: unknown
   int passes_ = 0;                   // number of times through list_uninitialised
   ndi::PortHandles listed_;          // reply to the last PHSR

@@ -134,9 +134,9 @@ RecordReceiver::Event RecordReceiver::push(std::uint8_t byte) noexcept {
     lost = true;
     drop(1);
   }
-  const bool told = lost && in_step_;
+  const bool first_loss = lost && in_step_;
   if (lost) in_step_ = false;
-  return told ? Event::malformed : Event::more;
+  return first_loss ? Event::malformed : Event::more;
 }
 
 void RecordReceiver::drop(std::size_t count) noexcept {

@@ -74,8 +74,8 @@ void PoseTrack::adapt_delay(Nanoseconds now) noexcept {
   } else if (dt > 0) {
     const double wanted =
         std::clamp(static_cast<double>(wanted_delay_ - delay_) / correction_time_ns, -max_faster, max_slower);
-    const double most = 1e-9 * rate_slew * dt;
-    slowdown_ = std::clamp(wanted, slowdown_ - most, slowdown_ + most);
+    const double max_change = 1e-9 * rate_slew * dt;
+    slowdown_ = std::clamp(wanted, slowdown_ - max_change, slowdown_ + max_change);
     delay_ += std::llround(slowdown_ * dt);
     if (now - delay_ > sample(1).knot && last_ - delay_ <= sample(1).knot) ++late_;
   }

@@ -1,7 +1,7 @@
 // Messages of spacenavd, the daemon of 6-DoF mice (3Dconnexion's SpaceMouse and others), on its unix socket,
-// to a client that sends nothing (protocol 0). A message is eight 32-bit integers in native byte order: the
-// kind, then x y z rx ry rz and the ms since the last motion, or the number of a button. Derived from <spnav.h>
-// and events of spacenavd 1.1.
+// to a client that sends nothing (protocol 0). A message is eight 32-bit integers in native byte order. The
+// first is the kind. x y z rx ry rz and the ms since the last motion follow, or the number of a button.
+// Derived from <spnav.h> and events of spacenavd 1.1.
 #pragma once
 
 #include <array>

@@ -18,7 +18,7 @@ struct Period {
   double step = 0;               // s
   Nanoseconds began_before = 0;  // start of the period before, ns
   Nanoseconds began = 0;         // start of this period on the devices' clock, ns
-  Nanoseconds now = 0;           // the same, after the answers of this period
+  Nanoseconds now = 0;           // time after the answers of this period, ns
   bool has_begun = false;        // true if a device has set `began` by its clock
 
   /// Sets the start of the period for devices without a clock of their own.

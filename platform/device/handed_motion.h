@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_samples.h"
 #include "platform/motion/motion.h"
 
 namespace godobject {
@@ -15,16 +15,16 @@ class HandedMotion final : public HandDevice {
   HandedMotion(const SceneConfig& scene, const Motion& motion)
       : motion_(motion),
         driven_(driven_bodies(scene)),
-        joints_(motion.has_joints() ? LedJoints(scene) : LedJoints()) {}
+        joints_(motion.has_joints() ? PrescribedSamples(scene) : PrescribedSamples()) {}
 
   void read(Period& period, std::span<BodySample> samples) noexcept override {
     for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples[driven_[i]] = sample(i, period.t);
-    lead_joints(period.t, samples);
+    write_joints(period.t, samples);
   }
 
   /// Writes the prescribed joints' coordinates, if the motion is one of the device's joints.
-  void lead_joints(double t, std::span<BodySample> samples) const noexcept {
-    if (motion_.has_joints()) joints_.lead(motion_.joints(t), true, samples);
+  void write_joints(double t, std::span<BodySample> samples) const noexcept {
+    if (motion_.has_joints()) joints_.write(motion_.joints(t), true, samples);
   }
 
   /// Returns the sample of the target of this index: see Motion.
@@ -40,7 +40,7 @@ class HandedMotion final : public HandDevice {
  private:
   const Motion& motion_;
   std::vector<std::size_t> driven_;
-  LedJoints joints_;
+  PrescribedSamples joints_;
 };
 
 }  // namespace godobject

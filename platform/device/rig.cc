@@ -17,13 +17,13 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
   const RigParams rig = rig_of(scene);
   std::vector<std::string> errors = validate(rig);
   if (scene.device->kind == DeviceKind::admittance)
-    errors.push_back("admittance devices run with --bus direct for now");
+    errors.push_back("an admittance device runs only with --bus direct");
   if (!errors.empty()) return errors;
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t handle = 0; handle < by_handle.size(); ++handle)
     if (!by_handle[handle])
       errors.push_back("handle of body '" + rig.tree.handles[handle].body +
-                       "': the scene has no such coupled body");
+                       "': the scene has no coupled body of this name");
   return errors;
 }
 
@@ -72,7 +72,7 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
     sample.valid = valid;
     if (has_clutch) sample.clutch = buttons_.clutch;
   }
-  joints_.lead({.q = device.q, .q_dot = device.q_dot}, valid, samples);
+  joints_.write({.q = device.q, .q_dot = device.q_dot}, valid, samples);
 }
 
 /// Displays the wrenches on the drives, and watches the drives' commands for oscillation between their

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double stale_periods = 3;
 
-std::size_t led_body(const SceneConfig& scene) {
+std::size_t moved_body(const SceneConfig& scene) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   const std::optional<std::size_t> named = body_named(scene, scene.device->spacemouse->body);
   return grips_bodies(scene) || !named ? driven.front() : *named;
@@ -16,7 +16,7 @@ std::size_t led_body(const SceneConfig& scene) {
 
 Pose start_of(const SceneConfig& scene) {
   const std::optional<std::size_t> named = body_named(scene, scene.device->spacemouse->body);
-  return scene.bodies[named.value_or(led_body(scene))].X_WB;
+  return scene.bodies[named.value_or(moved_body(scene))].X_WB;
 }
 
 /// Returns 0 within the deadband, +-1 at full scale and beyond.
@@ -36,20 +36,20 @@ Vec3 deflection(const SpacenavEvent& event, std::size_t first, const SpaceMouseC
 
 SpaceMouse::SpaceMouse(const SceneConfig& scene, Nanoseconds (*clock)() noexcept)
     : config_(*scene.device->spacemouse),
-      body_(led_body(scene)),
+      body_(moved_body(scene)),
       clock_(clock),
       stale_after_(to_ns(stale_periods / config_.rate_hz)),
       stream_({.X_WD = start_of(scene)},
               {.stale_after = stale_after_, .speed = config_.max_speed, .turn_rate = config_.max_turn_rate}) {
-  said_ = {.X_WD = start_of(scene), .t = clock_()};
+  sent_ = {.X_WD = start_of(scene), .t = clock_()};
 }
 
 /// Moves the target by v_W, w_W since the last sample or event, at most until the last deflection is stale.
 void SpaceMouse::go_on(Nanoseconds now) noexcept {
   const Nanoseconds until = std::min(now, t_event_ + stale_after_);
-  const double dt = 1e-9 * static_cast<double>(std::max(until - said_.t, Nanoseconds{0}));
-  said_.X_WD = moved_by(said_.X_WD, dt * v_W_, dt * w_W_);
-  said_.t = now;
+  const double dt = 1e-9 * static_cast<double>(std::max(until - sent_.t, Nanoseconds{0}));
+  sent_.X_WD = moved_by(sent_.X_WD, dt * v_W_, dt * w_W_);
+  sent_.t = now;
 }
 
 void SpaceMouse::take(const SpacenavEvent& event) noexcept {
@@ -61,8 +61,8 @@ void SpaceMouse::take(const SpacenavEvent& event) noexcept {
     w_W_ = config_.max_turn_rate * to_world(config_.q_WM, deflection(event, 3, config_));
     t_event_ = now;
   } else {
-    if (event.button == config_.clutch_button) said_.clutch = event.kind == Kind::release;
-    if (event.button == config_.hold_button && event.kind == Kind::press) ++said_.presses;
+    if (event.button == config_.clutch_button) sent_.clutch = event.kind == Kind::release;
+    if (event.button == config_.hold_button && event.kind == Kind::press) ++sent_.presses;
   }
 }
 
@@ -72,12 +72,12 @@ void SpaceMouse::tick(bool connected) noexcept {
   go_on(now);
   if (!connected) {  // the cap and the buttons are assumed released
     v_W_ = w_W_ = Vec3::Zero();
-    said_.clutch = true;
+    sent_.clutch = true;
   }
   const bool rests = v_W_.isZero(0) && w_W_.isZero(0);
   const bool silent = !rests && now - t_event_ > stale_after_;
-  said_.state = !connected || silent ? State::lost : rests ? State::rests : State::leads;
-  stream_.push(said_);
+  sent_.state = !connected || silent ? State::lost : rests ? State::rests : State::leads;
+  stream_.push(sent_);
 }
 
 void SpaceMouse::read(Period& period, std::span<BodySample> samples) noexcept {

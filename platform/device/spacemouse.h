@@ -38,7 +38,7 @@ class SpaceMouse final : public HandDevice {
   StreamedTarget stream_;
 
   // State of the thread:
-  StreamedSample said_;
+  StreamedSample sent_;
   Vec3 v_W_ = Vec3::Zero(), w_W_ = Vec3::Zero();
   Nanoseconds t_event_ = 0;  // of the last motion
 

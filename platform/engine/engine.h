@@ -40,7 +40,7 @@ struct BodyView {
 };
 
 /// A contact that bears a force. The force acts on a sphere or shape edge of body a, or on node a of the
-/// nets; its counterpart is body b or the world.
+/// nets. Its counterpart is body b or the world.
 struct ContactView {
   std::size_t a = 0, b = world;  // bodies; b: or world
   bool is_node = false;          // true if a is the number of a node

@@ -69,7 +69,7 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
   return par;
 }
 
-/// Returns a coupling for "imposed": an implicit step ends within 1e-9 of the body's distance from its
+/// Returns a coupling so stiff that an implicit step ends within 1e-9 of the body's distance from its
 /// target.
 inline SpringParams rigid_spring(const RigidBodyParams& body, Real h) noexcept {
   constexpr Real stiff = 1e9;
@@ -266,7 +266,7 @@ std::vector<PartBytes> parts_of() {
   };
   using W = Scratch<S>;
   constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
-  constexpr std::size_t targets = sizeof(W::pulls) + sizeof(W::inside);
+  constexpr std::size_t targets = sizeof(W::coupling_inputs) + sizeof(W::inside);
   add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage);
   if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
   add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);

@@ -10,8 +10,8 @@ namespace godobject {
 /// Enables the stamps. Returns false with errno on failure.
 bool enable_receive_stamps(int socket) noexcept;
 
-/// Converts receive stamps. The kernel stamps a frame by the wall clock when the driver delivers it, and adds
-/// the controller's own stamp if there is one (raw hardware, on a clock of its own).
+/// Converts receive stamps. The kernel stamps a frame by the wall clock when the driver delivers it.
+/// It adds the controller's own stamp if there is one (raw hardware, on a clock of its own).
 /// - Wall clock: both clocks are read together with the frame, and the frame's age by the wall clock is
 /// subtracted from CLOCK_MONOTONIC. If the wall clock is set between arrival and reading, the result is the
 /// time of reading.

@@ -110,7 +110,7 @@ void SerialPort::close() noexcept {
   }
   fd_ = -1;
   state_ = SerialState::closed;
-  low_latency_ = LowLatency::not_asked;
+  low_latency_ = LowLatency::not_requested;
   latency_timer_ms_.reset();
   error_ = 0;
   why_.clear();
@@ -236,7 +236,7 @@ std::string SerialPort::latency_report() const {
   const std::string timer =
       latency_timer_ms_ ? ", latency timer " + std::to_string(*latency_timer_ms_) + " ms" : "";
   switch (low_latency_) {
-    case LowLatency::not_asked: return path_ + ": low latency was not requested";
+    case LowLatency::not_requested: return path_ + ": low latency was not requested";
     case LowLatency::in_effect: return path_ + ": low latency is in effect" + timer;
     case LowLatency::not_a_uart:
       return path_ + ": not a UART: no low-latency setting (a pseudo-terminal or ttyACM needs none)";

@@ -23,7 +23,7 @@ enum class SerialState : std::uint8_t {
 
 /// Outcome of the request for low latency. Without it a USB adapter delays received bytes: an FTDI by 16 ms.
 enum class LowLatency : std::uint8_t {
-  not_asked,
+  not_requested,
   in_effect,   // ASYNC_LOW_LATENCY was read back; the latency timer, if there is one, is at most 1 ms
   not_a_uart,  // a pseudo-terminal, or a driver without the setting
   refused,     // latency_report() has the reason and the udev rule
@@ -105,7 +105,7 @@ class SerialPort {
 
   int fd_ = -1;
   SerialState state_ = SerialState::closed;
-  LowLatency low_latency_ = LowLatency::not_asked;
+  LowLatency low_latency_ = LowLatency::not_requested;
   int latency_error_ = 0;                  // errno of the request
   std::optional<int> latency_timer_ms_{};  // of the USB adapter, as read back
   int error_ = 0;                          // errno that ended the connection

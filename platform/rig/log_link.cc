@@ -110,8 +110,8 @@ bool LogLink::begins_cycle(std::size_t bus, const CanFrame& frame) const noexcep
   return !has_canopen_ && protocol.sender(frame) == 0;
 }
 
-/// Returns the duration of a frame on the wire. A log has the time of the frame's end, from which this gives
-/// its start.
+/// Returns the duration of a frame on the wire, ns. A log has the time of a frame's end; the start is earlier
+/// by this duration.
 Nanoseconds LogLink::wire_time(std::size_t bus, const CanFrame& frame) const noexcept {
   const BusParams& of = rig_.buses[bus];
   FrameBits bits = frame.fd ? nominal_bits(frame) : exact_bits(frame);

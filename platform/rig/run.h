@@ -26,8 +26,8 @@ class RigRun {
   double step_s() const noexcept { return scene_.step; }
 
   /// One step on the real-time thread. Returns false if it was the last.
-  /// Arguments: samples of the scene's bodies at the end of the step; F_hand_W: wrenches to display on the
-  /// hand, N and N m, one per body, zero on entry.
+  /// First argument: samples of the scene's bodies at the end of the step.
+  /// F_hand_W: wrenches to display on the hand, N and N m, one per body, zero on entry.
   using Step = std::function<bool(std::span<const BodySample>, std::span<Wrench> F_hand_W)>;
 
   struct Result {
@@ -49,7 +49,7 @@ class RigRun {
   std::vector<std::string> errors_;
   RigAddresses where_;
   RigProfiles profiles_;
-  LinuxLink* link_ = nullptr;  // the device's
+  LinuxLink* link_ = nullptr;  // owned by device_
   std::unique_ptr<RigDevice> device_;
 };
 

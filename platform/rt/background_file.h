@@ -1,5 +1,5 @@
-// A file that a thread of its own opens and writes, so that writers never wait for a stalled disk, an unread
-// pipe or a stopped terminal.
+// A file that a thread of its own opens and writes.
+// Writers never wait for a stalled disk, an unread pipe or a stopped terminal.
 #pragma once
 
 #include <chrono>

@@ -34,8 +34,8 @@ void guard_process();
 /// reach the last resort.
 void block_stop_signals() noexcept;
 
-/// Setup of every thread but the main one, from its start to its end: name, signals as by
-/// block_stop_signals(), and a stack for the last resort.
+/// Setup of every thread but the main one, from its start to its end.
+/// It sets the name, the signals as by block_stop_signals(), and a stack for the last resort.
 class ThreadSetup {
  public:
   /// name: at most 15 characters, as in `ps -T` and the table of threads in docs/running.md.

@@ -29,11 +29,11 @@ void Session::read() noexcept {
 /// Validates the samples: selects the held body, disengages after restart(), marks missed periods and holds
 /// as invalid.
 void Session::check() noexcept {
-  if (grip_) take_hold();
+  if (grip_) update_grip();
   for (const std::size_t body : driven_)
-    if (let_go_) samples_[body].engaged = false;
+    if (disengages_) samples_[body].engaged = false;
   if (real_) pass_missed_time();
-  let_go_ = false;
+  disengages_ = false;
   if (!on_hold_ && !deadlines_missed_) return;
   for (BodySample& sample : samples_) sample.valid = false;
 }
@@ -127,7 +127,7 @@ std::span<const std::size_t> Session::followed() const noexcept {
 
 /// Selects the held body. All bodies that can be held receive the device's sample; only the held one is
 /// engaged.
-void Session::take_hold() noexcept {
+void Session::update_grip() noexcept {
   const BodySample device = samples_[driven_.front()];
   const double t = phases_.period().t;
   const bool has_button = std::ranges::any_of(phases_.devices(), &HandDevice::has_hold_button);
@@ -146,7 +146,7 @@ void Session::take_hold() noexcept {
 /// Reports periods that the loop left out to the engine as a gap in the samples. A simulated device has no
 /// gap, because its time advances by the step.
 void Session::pass_missed_time() noexcept {
-  if (let_go_ || cycle_ == 1) return;
+  if (disengages_ || cycle_ == 1) return;
   const Period& period = phases_.period();
   const double periods = 1e-9 * static_cast<double>(period.began - period.began_before) / scene_.step;
   const double missed = std::floor(periods - 0.5);
@@ -189,7 +189,7 @@ void Session::restart() {
   on_hold_ = deadlines_missed_ = false;
   if (!phases_.makes_torque()) return;
   swings_->reset();
-  let_go_ = true;
+  disengages_ = true;
 }
 
 CycleRecord Session::at_start() const {

@@ -145,7 +145,7 @@ class Session {
   void observe_device(CycleRecord& record) const noexcept;
   std::span<const std::size_t> followed() const noexcept;
 
-  void take_hold() noexcept;
+  void update_grip() noexcept;
   void pass_missed_time() noexcept;
   double motion_time() const noexcept { return static_cast<double>(cycle_) * scene_.step; }
 
@@ -169,7 +169,7 @@ class Session {
 
   std::optional<WrenchSwings> swings_;
   std::unique_ptr<Truth> truth_;  // of a simulated device
-  bool let_go_ = false;           // true after restart(): disengages all bodies for the next step
+  bool disengages_ = false;       // true after restart(): disengages all bodies for the next step
   bool on_hold_ = false, deadlines_missed_ = false;
   bool lists_contacts_ = false, lists_net_nodes_ = false;
   bool real_ = false;  // a real device, with real time

@@ -7,8 +7,8 @@ namespace godobject {
 namespace {
 
 /// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
-void check_imposed_joints(const SceneConfig& scene, const Motion& motion, bool real,
-                          std::vector<std::string>& errors) {
+void check_motion_of_joints(const SceneConfig& scene, const Motion& motion, bool real,
+                             std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
   for (const JointConfig& joint : scene.joints)
     if (joint.imposed)
@@ -48,7 +48,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts
 Session::Made Session::build(const SceneConfig& scene, Motion motion, DeviceParts* device) {
   Made made;
   const bool real = device != nullptr && !device->truth;
-  check_imposed_joints(scene, motion, real, made.errors);
+  check_motion_of_joints(scene, motion, real, made.errors);
   if (!made.errors.empty()) return made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
   s->real_ = real;
@@ -58,7 +58,7 @@ Session::Made Session::build(const SceneConfig& scene, Motion motion, DevicePart
     s->grip_.emplace(scene);
     for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
   }
-  s->handed_.lead_joints(0, s->samples_);
+  s->handed_.write_joints(0, s->samples_);
   if (device != nullptr && !s->driven_.empty()) s->connect(std::move(*device), made.errors);
   if (!made.errors.empty()) return made;
 

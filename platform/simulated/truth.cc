@@ -14,7 +14,7 @@ SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const H
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t k = 0; k < by_handle.size(); ++k)
     if (by_handle[k]) handle_[*by_handle[k]] = k;
-  joints_ = LedJoints(scene);
+  joints_ = PrescribedSamples(scene);
 }
 
 void SimulatedTruth::start(std::span<const BodySample> samples) {
@@ -35,7 +35,7 @@ void SimulatedTruth::step(double t, std::span<const BodySample> samples) noexcep
   for (BodySample& sample : samples_) sample.valid = true;
   for (std::size_t i = 0; i < driven_.size(); ++i) samples_[driven_[i]].target = target(i, t);
 
-  if (link_ != nullptr) joints_.lead(link_->rig().joints(), true, samples_);
+  if (link_ != nullptr) joints_.write(link_->rig().joints(), true, samples_);
   for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].engaged = samples[i].engaged;
   static_cast<void>(engine_->step(samples_));
 }

@@ -67,13 +67,13 @@ JointPointer::JointPointer(const SceneConfig& scene, Nanoseconds (*clock)() noex
       joints_(device_tree(scene)->joints),
       ranges_(page_ranges(scene)),
       tree_(*device_tree(scene)),
-      led_(scene),
+      prescribed_(scene),
       shown_(Motion(scene).joints(0)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[target.value_or(0)]);
-  for (std::size_t i = 0; i < joints_.size(); ++i) said_.q[i] = shown_.q[static_cast<Eigen::Index>(i)];
-  heard_ = said_;
+  for (std::size_t i = 0; i < joints_.size(); ++i) sent_.q[i] = shown_.q[static_cast<Eigen::Index>(i)];
+  heard_ = sent_;
 }
 
 double JointPointer::max_rate(std::size_t joint) const noexcept {
@@ -87,14 +87,14 @@ bool JointPointer::take(std::uint64_t client, const JointsMessage& message) {
   const Nanoseconds now = clock_();
   // Messages may come late and several at once. Each refills the allowance by the time since the previous
   // one, at most pointer_stale_ns.
-  const Nanoseconds since = is_holder ? std::min(now - said_.t, pointer_stale_ns) : pointer_stale_ns;
+  const Nanoseconds since = is_holder ? std::min(now - sent_.t, pointer_stale_ns) : pointer_stale_ns;
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double full = 1e-9 * static_cast<double>(pointer_stale_ns) * max_rate(i);
     room_[i] = std::min(room_[i] + 1e-9 * static_cast<double>(since) * max_rate(i), full);
     if (!is_holder || !message.holds) continue;
     const double dq = std::clamp(message.dq[i], -room_[i], room_[i]);
     room_[i] -= std::abs(dq);
-    said_.q[i] = std::clamp(said_.q[i] + dq, ranges_[i].lower, ranges_[i].upper);
+    sent_.q[i] = std::clamp(sent_.q[i] + dq, ranges_[i].lower, ranges_[i].upper);
   }
   client_ = message.holds ? std::optional(client) : std::nullopt;
   number_ = message.number;
@@ -111,9 +111,9 @@ void JointPointer::leave(std::uint64_t client) {
 /// Sends a sample to the loop. It is dropped if the ring is full, which occurs only if the loop stands still;
 /// the next one contains its displacements.
 void JointPointer::push(bool leads, Nanoseconds now) noexcept {
-  said_.leads = leads;
-  said_.t = now;
-  static_cast<void>(samples_.try_push(said_));
+  sent_.leads = leads;
+  sent_.t = now;
+  static_cast<void>(samples_.try_push(sent_));
 }
 
 /// Follows the newest sample with a lag, within the rate limits. A stale sample stops the coordinates.
@@ -133,7 +133,7 @@ void JointPointer::read(Period& period, std::span<BodySample> samples) noexcept 
     samples[bodies_[k]].target = {at.X_WH(k), at.twist(k, shown_.q_dot)};
     samples[bodies_[k]].valid = valid;
   }
-  led_.lead(shown_, valid, samples);
+  prescribed_.write(shown_, valid, samples);
 }
 
 }  // namespace godobject

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_samples.h"
 #include "platform/rt/ring.h"
 #include "platform/view/frame.h"
 
@@ -67,11 +67,11 @@ class JointPointer final : public HandDevice {
   std::vector<CoordinateRange> ranges_;
   KinematicTree tree_;
   std::vector<std::size_t> bodies_;  // one per handle
-  LedJoints led_;
+  PrescribedSamples prescribed_;
   Ring<Sample> samples_{64};
 
   // State of the view's thread:
-  Sample said_;
+  Sample sent_;
   std::optional<std::uint64_t> client_;  // the one that moves the joints
   std::uint32_t number_ = 0;             // of its last message
   Coordinates room_{};  // remaining displacement of each joint that is allowed at once, rad or m

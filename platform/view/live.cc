@@ -20,15 +20,15 @@ LiveView::LiveView(const Session& session, const ViewAbout& about, PointerDevice
 
 ViewBytes LiveView::frame() {
   const Nanoseconds now = clock_.now();
-  if (!asked_) {
+  if (!requested_) {
     if (now - shown_ < frame_pause) return nullptr;
     tap_.ask();
-    asked_ = true;
+    requested_ = true;
     return nullptr;
   }
   const ViewSample* const sample = tap_.get();
   if (sample == nullptr) return nullptr;
-  asked_ = false;
+  requested_ = false;
   shown_ = now;
   for (std::size_t i = 0; i < driven_.size(); ++i) places_[i] = sample->record.bodies[driven_[i]].X_WB.p;
   auto bytes = std::make_shared<std::vector<std::uint8_t>>();

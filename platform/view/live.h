@@ -43,7 +43,7 @@ class LiveView final : public ViewSource {
   std::vector<Vec3> places_;  // positions of the driven bodies in the last frame
   MonotonicClock clock_;
   Nanoseconds shown_ = 0;  // time of the last frame
-  bool asked_ = false;
+  bool requested_ = false;
 };
 
 }  // namespace godobject

@@ -26,7 +26,7 @@ PointerDevice::PointerDevice(const SceneConfig& scene, Nanoseconds (*clock)() no
       stream_(
           start_of(scene, driven_),
           {.stale_after = pointer_stale_ns, .speed = max_pointer_speed, .turn_rate = max_pointer_turn_rate}),
-      said_(start_of(scene, driven_)) {}
+      sent_(start_of(scene, driven_)) {}
 
 bool PointerDevice::take(std::uint64_t client, const PointerMessage& message, const Vec3& p_WB) {
   const bool is_holder = client_ == client;
@@ -34,12 +34,12 @@ bool PointerDevice::take(std::uint64_t client, const PointerMessage& message, co
   if (message.target >= driven_.size() || (is_holder && message.number <= number_)) return false;
   const Nanoseconds now = clock_();
   const std::size_t body = driven_[message.target];
-  if (message.holds && said_.wish != wish_for(body)) {  // gripped at its present position
-    said_.X_WD = {.p = p_WB, .q = Quat::Identity()};
-    ++said_.path;
+  if (message.holds && sent_.wish != wish_for(body)) {  // gripped at its present position
+    sent_.X_WD = {.p = p_WB, .q = Quat::Identity()};
+    ++sent_.path;
   } else if (message.holds && message.moves) {
-    const double dt = 1e-9 * static_cast<double>(std::min(now - said_.t, pointer_stale_ns));
-    said_.X_WD = moved_by(said_.X_WD, limited(message.dp_W, dt * max_pointer_speed),
+    const double dt = 1e-9 * static_cast<double>(std::min(now - sent_.t, pointer_stale_ns));
+    sent_.X_WD = moved_by(sent_.X_WD, limited(message.dp_W, dt * max_pointer_speed),
                           limited(message.dphi_W, dt * max_pointer_turn_rate));
   }
   client_ = message.holds ? std::optional(client) : std::nullopt;
@@ -55,10 +55,10 @@ void PointerDevice::leave(std::uint64_t client) {
 }
 
 void PointerDevice::say(std::optional<std::size_t> held, Nanoseconds now) noexcept {
-  said_.wish = wish_for(held);
-  said_.state = held ? StreamedSample::State::leads : StreamedSample::State::rests;
-  said_.t = now;
-  stream_.push(said_);
+  sent_.wish = wish_for(held);
+  sent_.state = held ? StreamedSample::State::leads : StreamedSample::State::rests;
+  sent_.t = now;
+  stream_.push(sent_);
 }
 
 void PointerDevice::read(Period& period, std::span<BodySample> samples) noexcept {

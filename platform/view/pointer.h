@@ -44,7 +44,7 @@ class PointerDevice final : public HandDevice {
   StreamedTarget stream_;
 
   // State of the view's thread:
-  StreamedSample said_;
+  StreamedSample sent_;
   std::optional<std::uint64_t> client_;  // the one that holds a body
   std::uint32_t number_ = 0;             // of its last message
 };

@@ -14,9 +14,9 @@ struct SimOdriveQuirks {
   std::uint8_t motor_error = 0;
 };
 
-/// Sends heartbeat and torques cyclically, and the encoder estimates on a remote frame. With its own watchdog
-/// (DriveWatchdog::drive; off in factory settings), missing Input_Torque in closed loop leads to idle with
-/// the watchdog error, which Clear_Errors resets.
+/// Sends heartbeat and torques cyclically, and the encoder estimates on a remote frame. Its own watchdog
+/// (DriveWatchdog::drive) is off in factory settings. If it is on, missing Input_Torque in closed loop leads
+/// to idle with the watchdog error, which Clear_Errors resets.
 class SimOdrive final : public SimNode, public SimMotor {
  public:
   /// bus: opened by the caller, outlives this.

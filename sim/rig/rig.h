@@ -39,7 +39,7 @@ class SimRig {
   static std::string why_not(const KinematicTreeParams& tree, const Hand& hand);
 
   /// why_not() must be empty. profiles: set-up that the nodes have stored; without it, the host sets them up.
-  /// Allocates; no other function does.
+  /// Allocates, as attach() does; no other function does.
   SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, const RigProfiles& profiles = {});
   SimRig(const SimRig&) = delete;
   SimRig& operator=(const SimRig&) = delete;

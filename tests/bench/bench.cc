@@ -12,7 +12,7 @@ std::vector<Row>& rows() {
   return all;
 }
 
-/// Of this scene by us with this integrator.
+/// Returns our row of this scene and integrator; null if there is none.
 const Row* ours(const std::string& scene, const std::string& integrator) {
   for (const Row& r : rows())
     if (!r.peer && r.scene == scene && r.who.ends_with(integrator)) return &r;
@@ -103,7 +103,7 @@ void print_nets() {
     if (!r.net) continue;
     const NetQuality& q = *r.net;
     const std::string instructions = r.instructions ? std::to_string(std::lround(*r.instructions)) : "-";
-    char stretch[16] = "-", iterations[16] = "-";  // peers do not say
+    char stretch[16] = "-", iterations[16] = "-";  // not reported by peers
     if (!r.peer) std::snprintf(iterations, sizeof iterations, "%.1f", q.iterations);
     if (q.stretch_error) std::snprintf(stretch, sizeof stretch, "%.2g", *q.stretch_error);
     std::printf("%-13s %-34s %9.1f %9.1f %8.2f %8.1f %9s %8.1f %8s %9s %7s %7s\n", r.scene.c_str(),

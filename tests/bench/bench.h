@@ -1,4 +1,4 @@
-// What the benchmarks have in common: how a step is timed, what the runs are set against, the closing table.
+// Shared parts of the benchmarks: timing of steps, references of the runs, the closing table.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -24,8 +24,8 @@ struct StepTimes {
   double p50 = 0, p99 = 0, mean = 0;
 };
 
-/// Of `steps` steps in order. Short steps are timed by the chunk, for the clock's own time not to matter: up to 20 of
-/// them that take a microsecond.
+/// Times `steps` steps in order. Short steps are timed in chunks of up to 20, about 1 us each, so that the
+/// clock's own time does not matter.
 template <class Step>
 StepTimes time_steps(std::size_t steps, double mean_ns, Step step) {
   const auto chunk = static_cast<std::size_t>(std::clamp(1000 / mean_ns, 1.0, 20.0));
@@ -45,11 +45,11 @@ StepTimes time_steps(std::size_t steps, double mean_ns, Step step) {
   return {.p50 = at(0.5), .p99 = at(0.99), .mean = sum / static_cast<double>(times.size())};
 }
 
-/// Of a net: means of what was timed, how far its springs are from the stretch of rest, and its farthest node from where
-/// iterations to the end have it, m.
+/// Quality of a net: means over the timed steps. stretch_error: springs against the stretch at rest.
+/// node_error: farthest node from its place with complete iterations, m.
 struct NetQuality {
   double iterations = 0, contacts = 0;
-  std::optional<double> stretch_error, node_error;  // where they are known
+  std::optional<double> stretch_error, node_error;  // if known
 };
 
 /// A line of the closing table.
@@ -64,32 +64,32 @@ struct Row {
   std::optional<NetQuality> net = {};      // of a scene with a net; bodies are its nodes
 };
 
-/// Runs steps 0 .. steps - 1 again and again for google benchmark, then once more step by step, and keeps the row.
+/// Runs steps 0 .. steps - 1 repeatedly for google benchmark, then once more step by step, and keeps the row.
 template <class Restart, class Step>
 void measure(benchmark::State& state, Row row, std::size_t steps, Restart restart, Step step);
 
-/// Keeps the row's lowest median, and shows its numbers as counters.
+/// Keeps the row's lowest median, and reports its numbers as counters.
 void keep(benchmark::State& state, const Row& row);
 
-/// Of all rows kept: every peer over ours.
+/// Prints all rows kept, with the ratio of every peer to ours.
 void print_table();
 
 study::InstructionCounter& counter();
 
-/// How often a benchmark is repeated.
+/// Number of repetitions of a benchmark.
 struct Effort {
   int repetitions;
   long iterations;  // of google's loop; 0: as many as take 0.1 s
 };
 inline constexpr Effort short_scene{.repetitions = 9, .iterations = 0};
-/// A run of all its steps takes seconds, and follows every loop.
+/// A run of all its steps takes seconds, after every loop.
 inline constexpr Effort long_scene{.repetitions = 3, .iterations = 100};
-/// It takes half a minute.
+/// A run takes half a minute.
 inline constexpr Effort slow_scene{.repetitions = 1, .iterations = 1};
 
 void add(const std::string& name, const Effort& effort, const std::function<void(benchmark::State&)>& run);
 
-/// Registers our step on every scene, and the peers this build has; then both on the scenes with contacts.
+/// Registers our step on every scene, and the peers of this build; then both on the scenes with contacts.
 void add_ours();
 void add_peers();
 void add_our_contacts();

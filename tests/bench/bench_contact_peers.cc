@@ -1,4 +1,4 @@
-// The scenes with contacts by the peers that were found when the build was made.
+// The scenes with contacts, by the peers found in the build.
 #include <memory>
 
 #include "tests/bench/contact_contest.h"
@@ -41,7 +41,7 @@ void add_contact_peers() {
   add_peer(scene_s4(64, 20), "Bullet f64, 10 it", make_bullet_contacts, long_scene);
 #endif
 #ifdef GODOBJECT_PEER_MUJOCO
-  // one sweep there and back: a step of its takes a millisecond, or ten
+  // one sweep to and fro: its steps take a millisecond or ten
   add_peer(scene_s4(64, 5), "MuJoCo Newton, the first 5 s", make_mujoco_contacts, long_scene);
 #endif
 }

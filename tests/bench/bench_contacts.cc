@@ -1,4 +1,4 @@
-// Our step on the scenes with contacts: the pressed tool S2, the bricks S4, and how the cost grows with their number.
+// Our step on the scenes with contacts: the pressed tool S2, the bricks S4, and the cost by their number.
 #include <memory>
 
 #include "tests/bench/contact_contest.h"

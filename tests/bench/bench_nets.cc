@@ -1,5 +1,5 @@
-// Our step on nets: S6, the tube pressed on a bar, of 100 to 10 000 nodes; and S6 hanging, 1024 nodes into which a ball is
-// pressed, with the peers beside it.
+// Our step on nets: S6, the tube pressed on a bar, of 100 to 10 000 nodes. Also the hanging net of 1024 nodes
+// with a ball pressed into it, compared with the peers.
 #include <memory>
 
 #include "core/setup.h"
@@ -15,7 +15,7 @@ std::string name_of() {
   return "net-tool-" + std::to_string(study::capacity_of<S>()) + " " + S::Integrator::name;
 }
 
-/// A tube in steps that are solved to the end.
+/// A tube in steps with complete iterations.
 template <Scene S>
 study::TubeRun<S> solved_tube(std::uint32_t round, double spacing) {
   study::TubeRun<S> tube(round, spacing);
@@ -33,7 +33,7 @@ Real farthest_apart(const State<S>& a, const State<S>& b, std::size_t num_nodes)
   return most;
 }
 
-/// iterations: at most in a stage, where that is not the default; then the error is told.
+/// iterations: maximum in a stage, if not the default; the error is then reported.
 template <Scene S>
 void run_tube(benchmark::State& state, const std::string& scene, const std::string& who, std::uint32_t round,
               double spacing, std::optional<int> iterations) {
@@ -72,7 +72,7 @@ void run_tube(benchmark::State& state, const std::string& scene, const std::stri
       state, row, tube.num_pressed, [&] { tube.press(); }, [&](std::size_t) { tube.step(); });
 }
 
-/// Finer: as many nodes in a tube of the usual size.
+/// is_finer: true for as many nodes in a tube of the usual size.
 template <Scene S>
 void add_tube(std::uint32_t round, bool is_finer = false, std::optional<int> iterations = {}) {
   using Tube = study::TubeRun<S>;
@@ -139,7 +139,7 @@ class HangingRun final : public NetPeer {
   study::NetRunning<S> run_;
 };
 
-/// Times while it is pressed, the stretch at the end.
+/// Times the pressing and measures the stretch at the end.
 template <class Peer>
 void run_hanging(benchmark::State& state, const std::string& who, Peer& peer, bool is_peer,
                  std::optional<NetQuality>& known) {
@@ -173,7 +173,7 @@ void run_hanging(benchmark::State& state, const std::string& who, Peer& peer, bo
       [&](std::size_t n) { peer.step(HangingNet::first_pressed + n); });
 }
 
-/// Stopped early or not: for the error at the time that a peer takes.
+/// max_iterations: fewer than usual to compare the error at the time of a peer.
 template <Scene S>
 void add_hanging(int max_iterations = usual_iterations) {
   const auto known = std::make_shared<std::optional<NetQuality>>();
@@ -224,7 +224,7 @@ void add_net_peers() {
              [=] { return make_bullet_net(iterations); });
 #endif
 #ifdef GODOBJECT_PEER_MUJOCO
-  // a step of its takes milliseconds
+  // its steps take milliseconds
   add_peer("MuJoCo springs, 10 substeps", slow_scene, [] { return make_mujoco_springs(10); });
   add_peer("MuJoCo lengths, CG 20 it", slow_scene, [] { return make_mujoco_lengths(20); });
 #endif

@@ -1,4 +1,4 @@
-// The same scenes by the peers that were found when the build was made.
+// Scenes of bench_step.cc, by the peers found in the build.
 #include <memory>
 
 #include "tests/bench/bench.h"
@@ -20,7 +20,7 @@ Targets targets_of(const BenchScene& it, std::size_t steps) {
   return all;
 }
 
-/// Errors and drift from the poses alone: the bodies put where the peer has them.
+/// Returns errors and drift from the poses alone: the bodies placed as in the peer.
 Errors errors_of(Peer& peer, const BenchScene& it, std::size_t steps) {
   using S = study::FreeJoints<ImplicitEuler, 256>;
   const auto run = std::make_unique<study::CaseRun<S>>(it.scene.problem, h);

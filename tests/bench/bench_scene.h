@@ -1,4 +1,4 @@
-// The scenes of the benchmarks with what their runs are set against, made once each.
+// The scenes of the benchmarks with their references, made once each.
 #pragma once
 
 #include "tests/oracle/solve.h"
@@ -15,7 +15,8 @@ struct BenchScene {
 const BenchScene& s1();
 /// 10 s; errors from 0.5 s on, against tr-bdf2 at 1/64 ms.
 const BenchScene& s3();
-/// 2 s of 1, 8, 64 or 256 links; errors of the first half second (it is chaotic later), against tr-bdf2 at 1/32 ms.
+/// 2 s of 1, 8, 64 or 256 links; errors of the first half second (it is chaotic later), against tr-bdf2 at
+/// 1/32 ms.
 const BenchScene& s5(std::size_t num_links);
 
 }  // namespace godobject::bench

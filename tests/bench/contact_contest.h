@@ -26,7 +26,7 @@ struct Contest {
   std::size_t steps() const { return targets.size() - 1; }
 };
 
-/// Runner: restart(), step(n), and look() at what the step before led to.
+/// Runner: restart(), step(n), and look(), which inspects the result of the previous step.
 template <class Runner, class Look>
 void run_contest(benchmark::State& state, const std::string& who, bool peer, Contest& it, Runner& runner,
                  Look look) {

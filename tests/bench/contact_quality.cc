@@ -10,9 +10,9 @@ namespace godobject::bench {
 namespace {
 
 constexpr std::size_t num_instants = 200;
-constexpr double settled = 3;  // s, from when on S2 counts
+constexpr double settled = 3;  // s, start of the evaluation of S2
 
-/// How deep the spheres of the first body are in the plane z = 0.
+/// Depths of the first body's spheres in the plane z = 0.
 struct Depths {
   double deepest = 0, average = 0;
 };
@@ -35,7 +35,7 @@ double worst_overlap(const ContactScene& scene, const std::vector<oracle::RigidS
   return worst;
 }
 
-/// all: of every step of a run longer than `settled`.
+/// all: depths of every step, of a run longer than the start of the evaluation.
 ContactQuality::Depth summary(const std::vector<Depths>& all, double Depths::*depth) {
   const auto first = static_cast<std::size_t>(std::lround(settled / h));
   const auto num = static_cast<double>(all.size() - first);

@@ -1,4 +1,4 @@
-// What became of touching bodies in a run, whoever stepped them.
+// Quality of contacts in a run, of our step or a peer.
 #pragma once
 
 #include <functional>
@@ -8,14 +8,14 @@
 namespace godobject::bench {
 
 struct ContactQuality {
-  /// S2, after 3 s: how deep spheres are in the plane, m, and the rms change of that from step to step, m.
+  /// S2, after 3 s: depth of spheres in the plane, m, and the rms of its change from step to step, m.
   struct Depth {
     double mean = 0, jitter = 0;
   };
 
   double contacts = 0;  // their number, mean of all steps
   Depth deepest;        // of the deepest sphere: moves when the tool tilts
-  Depth average;        // of the ten: what the springs balance, at rest however the tool is dragged
+  Depth average;        // of the ten: balanced by the springs, constant under dragging
   double overlap = 0;   // m: S4, of the two bricks deepest in each other as boxes, largest of 200 instants
   double overlap_median = 0;  // m: and median
   double speed = 0;           // m/s: S4, largest of a brick that is not pulled

@@ -1,5 +1,6 @@
-// The hanging net: 1024 nodes of squares that hang by one edge, and a ball that is pressed into them from the side, drawn off
-// and kept away until the net rests. What its springs are stretched by then is known: the weight that hangs on each.
+// The hanging net: 1024 nodes of squares, held at one edge. A ball is pressed into them from the side,
+// withdrawn, and kept away until the net rests. The stretch of its springs at rest is known from the weight
+// below each.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ namespace godobject::bench {
 struct HangingNet {
   static constexpr std::uint32_t across = 32, down = 32, num_nodes = across * down;
   static constexpr double spacing = 5e-3, m = 2.4e-5, k = 200, gravity = 9.81;  // m, kg, N/m, m/s^2
-  static constexpr double settling_time = 0.25;                      // s: as that of a net in scene files
+  static constexpr double settling_time = 0.25;                      // s: as for a net in scene files
   static constexpr double g_air = 8 * m / settling_time;             // N s/m, of a node
   static constexpr double node_radius = 1.5e-3, ball_radius = 0.04;  // m
   static constexpr double mu = 0.3, h = 1e-3, period = 1.5;          // s
@@ -46,7 +47,7 @@ struct HangingNet {
   }
 };
 
-/// The largest |strain less that of the net at rest| of springs that hang.
+/// Returns the largest difference of a hanging spring's strain from that at rest.
 template <class NodeAt>
 double stretch_error(NodeAt at) {
   using Net = HangingNet;
@@ -71,11 +72,11 @@ class NetPeer {
   virtual std::size_t num_contacts() const = 0;
 };
 
-/// Bullet's soft body: positions are moved until springs have their rest length, which has no stiffness in N/m.
+/// Bullet's soft body: moves positions until springs have their rest length, which has no stiffness in N/m.
 std::unique_ptr<NetPeer> make_bullet_net(int iterations);
-/// MuJoCo's tendons: with the springs' stiffness, explicit, in so many substeps of a step.
+/// MuJoCo's tendons: with the springs' stiffness, explicit, in this number of substeps per step.
 std::unique_ptr<NetPeer> make_mujoco_springs(int substeps);
-/// MuJoCo's tendons as equalities of their length, by conjugate gradients with so many iterations.
+/// MuJoCo's tendons as equalities of their length, by conjugate gradients with this number of iterations.
 std::unique_ptr<NetPeer> make_mujoco_lengths(int iterations);
 
 }  // namespace godobject::bench

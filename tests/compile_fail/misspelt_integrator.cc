@@ -1,4 +1,4 @@
-// Must not compile: what stands for the integrator is none.
+// Must not compile: the given type is no integrator.
 #include "core/step.h"
 
 struct WithoutIntegrator {

@@ -1,5 +1,5 @@
 // Prints the state hash of a fixed run of each composition: every compiler and optimisation level must print
-// the same. The motion is made with + - * / alone, so no libm has a say.
+// the same. The motion uses only + - * /, so it does not depend on libm.
 #include <cinttypes>
 #include <cstdio>
 

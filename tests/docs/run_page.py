@@ -16,7 +16,7 @@ folders as links; the info string of a block (which a reader does not see) says 
                           A /dev/pts/N of the page is from there on the terminal that was printed in its place
   console                 is not run: commands for another machine, or for root
 
-A first line `<!-- after: OTHER.md -->` names a page whose files the reader has: they are made first, and its `cp` is done.
+A line `<!-- after: OTHER.md -->` names a page whose files the reader has: they are made first, and its `cp` is done.
 
 Exit codes: 0 passed, 1 failed, 77 a command is missing on this machine.
 """
@@ -44,7 +44,7 @@ BLOCK = re.compile(r"^```(\S+)[ ]*(.*)\n((?:.*\n)*?)```$", re.M)
 TERMINAL = re.compile(r"/dev/pts/\d+")
 VIEW = re.compile(r"http://([\w.]+):(\d+)/\?token=(\w+)")
 FAULT = re.compile(r"FAULT (\w+)")
-AFTER = re.compile(r"<!-- after: (\S+) -->")
+AFTER = re.compile(r"^<!-- after: (\S+) -->$", re.M)
 TOOLS = {"gnuplot", "g++", "cmake", "ninja"}  # of Debian; a page that needs a missing one is skipped
 
 
@@ -283,7 +283,7 @@ def main():
     if arguments.self_test:
         return self_test()
     text = arguments.page.read_text()
-    after = AFTER.match(text)
+    after = AFTER.search(text)
     before = (arguments.page.parent / after[1]).read_text() if after else ""
     if not any(block.language == "sh" for block in blocks_of(text)):
         print("no commands in it")

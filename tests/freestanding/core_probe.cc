@@ -1,4 +1,5 @@
-// Every composition of the core's parts, instantiated once: what a linker would have to find for it.
+// Every composition of the core's parts, instantiated once, so that the archive has all symbols that a linker
+// would need.
 #include "core/godobject.h"
 
 namespace godobject {

@@ -1,4 +1,4 @@
-// What the symbol check must refuse: heap and libm.
+// Code that the symbol check must refuse: heap and libm.
 #include <cmath>
 
 double* hoard(double x);

@@ -1,4 +1,4 @@
-// What the fuzz targets share: bytes taken one after the other, frames made of them, and a guard that ends the program
+// Shared parts of the fuzz targets: an input of bytes, frames made of it, and a guard that ends the program
 // when a decoder allocates.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace godobject::fuzz {
 
-/// While one lives, an allocation in this thread is an error like those the sanitizers find.
+/// Guard: while one exists, an allocation in this thread is an error like those of the sanitizers.
 class NoAllocation {
  public:
   NoAllocation() noexcept;
@@ -37,7 +37,7 @@ class Input {
     for (int i = 0; i < 4; ++i) value = value << 8 | byte();
     return value;
   }
-  /// As many as there are, at most `size`.
+  /// Returns the next bytes, at most `size`, fewer at the end.
   std::span<const std::uint8_t> bytes(std::size_t size) {
     const std::span<const std::uint8_t> taken = rest_.first(std::min(size, rest_.size()));
     rest_ = rest_.subspan(taken.size());
@@ -48,7 +48,7 @@ class Input {
   std::span<const std::uint8_t> rest_;
 };
 
-/// A frame as a bus hands it over: flags and sizes in range, everything else as it comes.
+/// Returns a frame as delivered by a bus: flags and sizes in range, everything else random.
 inline CanFrame frame_of(Input& in) {
   const std::uint8_t kind = in.byte();
   CanFrame frame{.id = (static_cast<std::uint32_t>(in.byte()) << 8 | in.byte()) & 0x7FFu};

@@ -1,4 +1,4 @@
-// Lines of candump logs: whatever parses is written out and parses to the same again.
+// Lines of candump logs: a parsed line is written out and parses to the same again.
 #include <array>
 #include <cstdlib>
 #include <string_view>

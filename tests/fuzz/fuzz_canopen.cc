@@ -1,4 +1,4 @@
-// Every CANopen message the rig knows, of any frame.
+// Decoders of all CANopen messages of the rig, with any frame.
 #include "hal/canopen/cia406.h"
 #include "hal/drive/cia402.h"
 #include "tests/fuzz/decode.h"

@@ -1,4 +1,5 @@
-// The set-up of a drive by its profile against a node that answers anything: boot-ups, SDO answers, at any time.
+// The configuration of a drive by its profile against a node with random messages: boot-ups and SDO answers,
+// at any time.
 #include "hal/canopen/commissioning.h"
 #include "hal/canopen/sdo/sdo.h"
 #include "tests/fuzz/taking_bus.h"
@@ -26,7 +27,7 @@ RigProfiles one_profile() {
   return {.encoders = {}, .drives = {profile}};
 }
 
-/// Hands over what such a node would: its boot-up, answers to the host's requests that may be right.
+/// Delivers messages of such a node: its boot-up, and answers to the host's requests that may be right.
 class NodeBus final : public CanBus {
  public:
   explicit NodeBus(fuzz::Input& in) : in_(in) {}

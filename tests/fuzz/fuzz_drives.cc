@@ -1,4 +1,4 @@
-// What every kind of drive makes of any frames; moteus's sub-frames never leave the frame.
+// Every kind of drive with random frames; moteus's sub-frames stay within the frame.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,4 +1,5 @@
-// COBS and the frames of encoder boards, from any bytes at any times; a frame made of them is read back the same.
+// COBS and the frames of encoder boards, from random bytes at any times; a frame made of them is read back
+// the same.
 #include <cstdlib>
 
 #include "hal/board/nodes.h"
@@ -35,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (board.frame().num_counts > max_board_counts) std::abort();
       check_same_again(board.frame());
     }
-    // a whole frame, so that the CRC is no wall
+    // a whole frame, because random bytes rarely pass the CRC
     EncoderFrame frame{.sequence = in.byte(), .t_us = in.word(), .counts = {}, .num_counts = in.byte() % 13u};
     for (std::size_t i = 0; i < frame.num_counts; ++i) frame.counts[i] = static_cast<std::int32_t>(in.word());
     std::array<std::uint8_t, max_encoder_wire> wire;

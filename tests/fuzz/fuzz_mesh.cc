@@ -1,5 +1,5 @@
-// Mesh files of every format: any bytes, or a cube of which some bytes are others. What is read has only vertices that
-// are there, and goes on to where solids are checked.
+// Mesh files of every format: random bytes, or a cube with some bytes changed. A mesh that is read refers
+// only to existing vertices, and is passed to the checks of solids.
 #include <cstdlib>
 
 #include "platform/scene/mesh/file.h"

@@ -1,5 +1,5 @@
-// Motion files, for a scene with a device and for one whose device takes hold of bodies. What is read is a motion at
-// every time.
+// Motion files, for a scene with a device and for one with a device that grips bodies. A motion that is read
+// can be evaluated at every time.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,4 +1,4 @@
-// NDI's replies, as bytes of the line and as contents whose CRC was right: whatever is taken for a pose is one.
+// NDI's replies, as bytes of the line and as contents with a right CRC: every accepted pose is valid.
 #include <cmath>
 #include <cstdlib>
 
@@ -36,7 +36,7 @@ TrackerParams one_tool() {
   return params;
 }
 
-/// Sends what it asks for nowhere and answers with bytes, mostly whole replies with their CRC.
+/// Discards its requests and answers with bytes, mostly whole replies with their CRC.
 void talk(fuzz::Input& in, Tracker& tracker) {
   Nanoseconds now = 0;
   tracker.opened(now);

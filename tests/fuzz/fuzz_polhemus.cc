@@ -1,4 +1,4 @@
-// Polhemus records out of any bytes: whatever is taken for a pose is one, and is written the same again.
+// Polhemus records from random bytes: every accepted pose is valid, and is written the same again.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
-// Traces and node files as `view` reads them, with a header of the scene before the fuzzed rows or without one: each is
-// refused with a reason, or has samples in the order of time.
+// Traces and node files as read by `view`, with or without a header of the scene before the fuzzed rows. Each
+// is refused with a reason, or has samples in the order of time.
 #include <sys/mman.h>
 #include <unistd.h>
 

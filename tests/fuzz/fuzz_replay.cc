@@ -1,4 +1,4 @@
-// Logs as buses: a log is refused with its line, or its frames come one after the other.
+// Logs as buses: a log is refused with its line, or its frames arrive one after the other.
 #include <sys/mman.h>
 #include <unistd.h>
 

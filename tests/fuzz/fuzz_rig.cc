@@ -1,4 +1,4 @@
-// A whole rig on a bus that says anything: frames of all kinds at any time, in every state.
+// A whole rig on a bus with random frames of all kinds, at any time and in every state.
 #include <array>
 
 #include "hal/rig/rig.h"

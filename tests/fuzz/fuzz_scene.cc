@@ -1,4 +1,4 @@
-// Scene files. What is read is written out, and reads as the same again.
+// Scene files. A scene that is read is written out, and reads as the same again.
 #include <cstdio>
 #include <cstdlib>
 

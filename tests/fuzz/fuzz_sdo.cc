@@ -1,4 +1,4 @@
-// The clients of SDO and LSS against servers that answer anything, at any time.
+// The clients of SDO and LSS against servers with random answers, at any time.
 #include "hal/canopen/lss.h"
 #include "hal/canopen/sdo/client.h"
 #include "tests/fuzz/decode.h"
@@ -17,7 +17,7 @@ void begin(fuzz::Input& in, sdo::Client& client) {
   }
 }
 
-/// Mostly what the client waits for: the ids that count, eight bytes.
+/// Returns mostly answers that the client waits for: the right ids, eight bytes.
 CanFrame answer(fuzz::Input& in) {
   CanFrame frame{.id = in.byte() % 4 == 0 ? lss::response_cob_id : sdo::response_cob_id(5), .size = 8};
   std::ranges::copy(in.bytes(8), frame.data.begin());

@@ -1,4 +1,5 @@
-// SLCAN from both sides: any bytes as lines of an adapter and of a host; a frame that was read is written the same.
+// SLCAN from both sides: random bytes as lines of an adapter and of a host; a frame that was read is written
+// the same.
 #include <cstdlib>
 
 #include "hal/can/slcan.h"

@@ -1,4 +1,4 @@
-// Events of spacenavd out of any bytes: what is taken for one is within its bounds.
+// Events of spacenavd from random bytes: accepted events are within their bounds.
 #include <cstdlib>
 
 #include "hal/tracker/spacenav.h"

@@ -1,4 +1,4 @@
-// What a page may send: any bytes as a pointer's message, and any text as the head of a request.
+// Messages of a page: random bytes as a pointer message, and random text as the head of a request.
 #include <cmath>
 #include <cstdlib>
 #include <string>

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/decode.h"
 
-// As <sanitizer/allocator_interface.h> declares it, a header of clang alone.
+// Declared in <sanitizer/allocator_interface.h>, a header of clang alone.
 // NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is the sanitizer's.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
                                                          void (*on_free)(const volatile void*));

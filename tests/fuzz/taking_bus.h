@@ -1,4 +1,4 @@
-// A bus that takes, or refuses, what it is given, and hands over what the input says.
+// A bus that accepts or refuses frames, and delivers frames, as the input determines.
 #pragma once
 
 #include "hal/can/bus.h"
@@ -25,7 +25,7 @@ class TakingBus final : public CanBus {
   bool takes = true;
   Input* in = nullptr;
   Nanoseconds now = 0;
-  int left = 0;  // frames to hand over
+  int left = 0;  // frames to deliver
 };
 
 }  // namespace godobject::fuzz

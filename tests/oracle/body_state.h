@@ -1,4 +1,4 @@
-// The state of the bodies as the integrator keeps it: one vector of numbers.
+// State of the bodies in the integrator: one vector of numbers.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ struct BodyState {
   ScalarVector3 w = ScalarVector3::Zero();
 };
 
-/// Where a body's part of the state vector starts.
+/// Returns the offset of a body in the state vector.
 inline Eigen::Index offset_of(std::size_t body) { return state_size * static_cast<Eigen::Index>(body); }
 
 inline Eigen::Matrix<Scalar, 4, 1> wxyz(const ScalarQuaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
@@ -29,7 +29,7 @@ ScalarVector pack(const std::vector<BodyState>& states);
 
 ScalarVector pack(const std::vector<RigidState>& states);
 
-/// Quaternions come out normalised.
+/// Returns the states with normalised quaternions.
 std::vector<RigidState> unpack(const ScalarVector& y);
 
 /// Scales every quaternion of y to length 1.

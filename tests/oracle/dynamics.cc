@@ -35,7 +35,7 @@ struct Point {
       : r(x.q * p_B.cast<Scalar>()), p(x.p + r), v(x.v + x.w.cross(r)) {}
   explicit Point(const Vector3d& p_W) : p(p_W.cast<Scalar>()) {}
 
-  /// The point of the same body x that is where `other` is.
+  /// Returns the point of the same body x that coincides with `other`.
   Point at(const BodyState& x, const Point& other) const {
     Point there = *this;
     there.p = other.p;
@@ -59,7 +59,7 @@ ScalarVector3 spring_force(const Spring& spring, const Point& a, const Point& b)
   return -(spring.k * (l - spring.l_0) + spring.g * u.dot(v)) * u;
 }
 
-/// What acts on the bodies besides the joints, but for gyroscopic torques.
+/// Returns the wrenches on the bodies, without joints and gyroscopic torques.
 std::vector<Wrench> wrenches_on(const Case& problem, Scalar t, const std::vector<BodyState>& x) {
   std::vector<Wrench> B(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -110,7 +110,7 @@ ScalarVector Dynamics::tendency(Scalar t, const std::vector<BodyState>& x) const
   const std::vector<Wrench> wrenches = wrenches_on(case_, t, x);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Body& body = case_.bodies[i];
-    // B of (4) and (6): what acts and, in body axes, the gyroscopic torque (I W) x W.
+    // B of (4) and (6): applied wrench and, in body axes, the gyroscopic torque (I W) x W.
     const Wrench& B = wrenches[i];
     const ScalarMatrix3 R_WB = x[i].q.toRotationMatrix();
     const ScalarMatrix3 I_B = body.I_B.cast<Scalar>();

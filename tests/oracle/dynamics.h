@@ -15,7 +15,7 @@ namespace godobject::oracle {
 ScalarVector3 rotation_vector(const ScalarQuaternion& q);
 
 /// y' = f(t, y) of all bodies of a case. Joints hold as accelerations, g'' = 0 (index 1), without
-/// stabilisation: their errors g and g' stay what the start and the integrator make them.
+/// stabilisation: their errors g and g' come from the start and the integrator.
 class Dynamics {
  public:
   /// Keeps a reference to the case.
@@ -27,7 +27,7 @@ class Dynamics {
   /// largest |g| it had, m or rad. For small errors: two Newton steps, so 1e-6 ends below rounding.
   double project(Scalar t, ScalarVector& y) const;
 
-  /// Of each joint, at (t, y).
+  /// Wrench of each joint, at (t, y).
   std::vector<JointWrench> reactions(Scalar t, const ScalarVector& y) const;
 
  private:

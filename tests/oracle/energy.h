@@ -1,4 +1,4 @@
-// Quantities that a motion keeps, for tests.
+// Conserved quantities of a motion, for tests.
 #pragma once
 
 #include <vector>
@@ -39,7 +39,7 @@ inline Vector3d momentum(const Case& problem, const std::vector<RigidState>& sta
   return sum;
 }
 
-/// Of all bodies about the world's origin, N m s.
+/// Angular momentum of all bodies about the world's origin, N m s.
 inline Vector3d angular_momentum(const Case& problem, const std::vector<RigidState>& states) {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 0; i < states.size(); ++i) {

@@ -73,7 +73,7 @@ void ExtrapolationIntegrator::advance(Scalar t, Scalar t_end, ScalarVector& y) {
       }
       continue;
     }
-    // A step cut short by t_end says little about the size the solution allows.
+    // A step shortened by t_end does not indicate the possible step size.
     h_ = is_last ? std::max(h_, factor * h) : factor * h;
     t = is_last ? t_end : t + h;
     y.swap(y_next);

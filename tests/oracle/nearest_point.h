@@ -9,7 +9,8 @@
 
 namespace godobject::oracle {
 
-/// All that is within `radius` of these triangles, which may be segments or points; or all that they enclose.
+/// All points within `radius` of these triangles, which may be segments or points; or all points that they
+/// enclose.
 struct Solid {
   using Triangle = std::array<Eigen::Vector3d, 3>;
   std::vector<Triangle> triangles;  // m, in the solid's frame
@@ -25,7 +26,8 @@ Solid box(const Eigen::Vector3d& half_extents);
 /// A closed surface, counter-clockwise from outside.
 Solid mesh(const std::vector<Eigen::Vector3d>& vertices,
            const std::vector<std::array<std::uint32_t, 3>>& triangles);
-/// heights[j columns + i] at x = i spacing, y = j spacing; cells split from their first corner; walls without end down.
+/// heights[j columns + i] at x = i spacing, y = j spacing; cells split from their first corner; walls without
+/// end down.
 Solid height_field(const std::vector<double>& heights, int columns, int rows, double spacing);
 
 struct NearestPoint {

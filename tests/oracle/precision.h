@@ -1,4 +1,4 @@
-// Number types inside the integrator. What goes in and comes out is double.
+// Number types inside the integrator. Inputs and outputs are double.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 namespace godobject::oracle {
 
 /// 64-bit mantissa on x86. A body that tumbles about its intermediate axis amplifies rounding errors a
-/// million times within the 4 s of the reference case: with double they end near 1e-9 (measured), with this
+/// million times within the 4 s of the reference case. With double they end near 1e-9 (measured), with this
 /// below 1e-12.
 using Scalar = long double;
 

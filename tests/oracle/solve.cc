@@ -13,7 +13,8 @@ namespace godobject::oracle {
 
 namespace {
 
-/// Where steps must end: the wanted times and every kink of a target or an imposed joint between them.
+/// Returns the times at which steps must end: the requested times, and every kink of a target or prescribed
+/// joint between them.
 std::vector<double> stops_of(const Case& problem, std::span<const double> times) {
   std::vector<double> stops(times.begin(), times.end());
   const auto add = [&](std::span<const double> knots) {

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t stencil_size = 7;
 
-/// Weights of the samples at `nodes` in the first and second derivative at t of the polynomial through them:
-/// derivatives of the Lagrange basis, node by node, by the product rule.
+/// Weights of the samples at `nodes` in the first and second derivative at t of the polynomial through them.
+/// They are the derivatives of the Lagrange basis, node by node, by the product rule.
 struct DerivativeWeights {
   std::array<double, stencil_size> d1{};
   std::array<double, stencil_size> d2{};

@@ -1,4 +1,4 @@
-// Motions a coupled body is pulled to: given as a function of time, or as a table of poses.
+// Motions of the targets of coupled bodies: a function of time, or a table of poses.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace godobject::oracle {
 
-/// A motion X_WD(t) whose velocities are the derivatives of its pose.
+/// A motion X_WD(t) with velocities that are the derivatives of its pose.
 class Target {
  public:
   virtual ~Target() = default;
@@ -35,10 +35,10 @@ class FunctionTarget final : public Target {
 };
 
 /// A motion known by its poses at given times. Between two samples each of the 3 + 4 pose numbers is the
-/// quintic with the first and second derivatives there, which come from the polynomial through the 7 nearest
+/// quintic with the first and second derivatives there. These come from the polynomial through the 7 nearest
 /// samples: at 1 ms a motion of a few Hz is met to rounding, in velocity too. (The cubic leaves an error of
-/// h^3/125 of the fourth derivative in velocity, 1e-7 m/s or rad/s for the reference motions.)
-/// The quaternion is normalised after interpolation and w is the exact derivative of the result.
+/// h^3/125 of the fourth derivative in velocity, 1e-7 m/s or rad/s for the reference motions). The quaternion
+/// is normalised after interpolation and w is the exact derivative of the result.
 class TabulatedTarget final : public Target {
  public:
   /// times: strictly ascending, at least 2; p, q: as many; q need not keep its sign from row to row.

@@ -191,7 +191,7 @@ TEST(Solve, StepsEndAtTheKnotsOfATarget) {
 TEST(Solve, BodiesDoNotDisturbEachOther) {
   Case both = scene_s1();
   both.bodies.push_back(free_body());
-  const std::vector<double> times = {0, 0.5, 0.5, 1};  // the start, and a time asked twice
+  const std::vector<double> times = {0, 0.5, 0.5, 1};  // the start, and a repeated time
   const Solution solution = solve(both, times);
   ASSERT_EQ(solution.times, times);
   EXPECT_EQ(solution.states[0][1].w, free_body().start.w);

@@ -8,8 +8,8 @@ namespace godobject::oracle {
 /// How far joints may be open at the start (m, rad, and per second): files round, and the solver projects.
 inline constexpr double start_tolerance = 1e-6;
 
-/// Throws std::invalid_argument, naming the body or joint and the rule, for a case that breaks a rule of
-/// case.h or joint.h, or whose joints do not hold at the start.
+/// Throws std::invalid_argument for a case that breaks a rule of case.h or joint.h, or with joints that do
+/// not hold at the start. The message names the body or joint and the rule.
 void validate(const Case& problem);
 
 }  // namespace godobject::oracle

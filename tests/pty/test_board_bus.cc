@@ -175,7 +175,7 @@ TEST_F(BoardBusTest, UnpluggedIsABusThatIsGone) {
   EXPECT_EQ(bus().counters().received, received) << "counters outlive closing";
 }
 
-TEST_F(BoardBusTest, WhatIsNoBoardIsSaid) {
+TEST_F(BoardBusTest, OtherDevicesAreReported) {
   board_->silent = true;
   open();
   cycle();

@@ -53,7 +53,7 @@ TEST_F(CliBusLoad, JsonHasTheSameNumbers) {
   EXPECT_EQ(json[0]["messages"][0]["worst_bits"], 55);
 }
 
-TEST_F(CliBusLoad, RefusesABusAboveThePlannedLoadUnlessTold) {
+TEST_F(CliBusLoad, RefusesABusAboveThePlannedLoadUnlessForced) {
   const std::string scene = with_bit_rate("7e5");
   const ProgramResult refused = run_program("bus-load " + scene);
   EXPECT_EQ(refused.exit_code, 1) << refused.output;

@@ -98,7 +98,7 @@ TEST_F(CliSpaceMouse, LeadsTheToolToTheWallAndNoFurther) {
   EXPECT_THAT(result_.output, HasSubstr("spacemouse"));
 }
 
-TEST_F(CliSpaceMouse, ADaemonThatGoesIsSaidAndComesBack) {
+TEST_F(CliSpaceMouse, ADaemonThatEndsIsReportedAndMayReturn) {
   const nlohmann::json report = run("--duration 5", [](Daemon& daemon) {
     static_cast<void>(daemon.send_words({0, 100}));
     std::this_thread::sleep_for(300ms);
@@ -142,7 +142,7 @@ TEST_F(CliSpaceMouse, SaysWhatToInstallWhereThereIsNoDaemon) {
   EXPECT_THAT(of_environment.output, HasSubstr(path("other.sock")));
 }
 
-TEST_F(CliSpaceMouse, WhatDoesNotGoTogetherIsSaid) {
+TEST_F(CliSpaceMouse, ConflictingOptionsAreReported) {
   for (const auto& [arguments, word] :
        {std::pair{"sim/scenes/wall.toml --spacemouse", "add [device.spacemouse]"},
         std::pair{"sim/scenes/spacemouse.toml --spacemouse --fast", "remove --fast"},
@@ -161,9 +161,9 @@ TEST_F(CliSpaceMouse, SurvivesADaemonThatTalksNonsense) {
   SpaceMouse mouse(*loaded.scene, []() noexcept { return MonotonicClock{}.now(); });
   Daemon daemon(path("spnav.sock"));
   std::string why_not;
-  std::atomic<int> said{0};
+  std::atomic<int> num_lines{0};
   const auto thread = SpaceMouseThread::start(
-      path("spnav.sock"), mouse, [&](const std::string&) { ++said; }, why_not);
+      path("spnav.sock"), mouse, [&](const std::string&) { ++num_lines; }, why_not);
   ASSERT_TRUE(thread) << why_not;
   daemon.accept_one();
   std::srand(1);
@@ -176,7 +176,7 @@ TEST_F(CliSpaceMouse, SurvivesADaemonThatTalksNonsense) {
   std::this_thread::sleep_for(100ms);
   EXPECT_FALSE(thread->counters().connected);
   EXPECT_EQ(thread->counters().malformed, 1u);
-  EXPECT_EQ(said, 1);
+  EXPECT_EQ(num_lines, 1);
 }
 
 }  // namespace

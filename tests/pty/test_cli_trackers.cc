@@ -87,7 +87,7 @@ TEST_F(CliTrackers, InProcessTheRunIsTheSameEachTime) {
   EXPECT_GT(first["sensing"]["rms_m"], 1e-4);
 }
 
-TEST_F(CliTrackers, WhatIsWrongWithTheOptionIsSaid) {
+TEST_F(CliTrackers, ErrorsOfTheOptionAreReported) {
   for (const auto& [arguments, expected] :
        {std::pair{"run sim/scenes/tracked.toml --tracker vega=/dev/x", "the scene's trackers are 'polaris'"},
         {"run sim/scenes/tracked.toml --tracker polaris=/dev/x --tracker polaris=/dev/y", "given twice"},

@@ -67,9 +67,9 @@ TEST_F(RigRunTest, ASignalRunsTheTorqueDown) {
   const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
-  bool asked = false;
+  bool done = false;
   const RigRun::Result result = push(run, 200, [&] {
-    if (!std::exchange(asked, true)) raise(SIGTERM);
+    if (!std::exchange(done, true)) raise(SIGTERM);
     return true;
   });
   EXPECT_EQ(result.signal, "SIGTERM");
@@ -82,9 +82,9 @@ TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
   const std::string scene = write("scene.toml", patient_toml());
   RigRun run(scene, rig(scene));
   ASSERT_THAT(run.errors(), IsEmpty());
-  bool asked = false;
+  bool done = false;
   const RigRun::Result result = push(run, 200, [&] {
-    if (!std::exchange(asked, true)) static_cast<void>(far_->say("fault unplug bus=can0 node=1"));
+    if (!std::exchange(done, true)) static_cast<void>(far_->say("fault unplug bus=can0 node=1"));
     return true;
   });
   EXPECT_FALSE(result.is_good());

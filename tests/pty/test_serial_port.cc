@@ -138,7 +138,7 @@ TEST(SerialPort, APseudoTerminalHasNoLatencyToSetAndSaysSo) {
   EXPECT_EQ(port.low_latency(), LowLatency::not_a_uart);
   EXPECT_THAT(port.latency_report(), HasSubstr("not a UART"));
   ASSERT_TRUE(port.open(device.slave(), {.low_latency = false}));
-  EXPECT_EQ(port.low_latency(), LowLatency::not_asked);
+  EXPECT_EQ(port.low_latency(), LowLatency::not_requested);
 }
 
 TEST(SerialPort, AnyBaudRateIsTaken) {
@@ -153,7 +153,7 @@ TEST(SerialPort, AnyBaudRateIsTaken) {
   EXPECT_EQ(port.state(), SerialState::failed);
 }
 
-TEST(SerialPort, ASecondUserIsToldThatItIsInUse) {
+TEST(SerialPort, ASecondUserIsRefusedBecauseItIsInUse) {
   PseudoTerminal device;
   SerialPort first, second_user;
   ASSERT_TRUE(first.open(device.slave(), {}));

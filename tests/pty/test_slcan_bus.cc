@@ -62,9 +62,9 @@ class ScriptedAdapter {
     thread_ = std::thread([] {});
     terminal_.hang_up();
   }
-  std::string asked() {
+  std::string requests() {
     const std::lock_guard lock(mutex_);
-    return asked_;
+    return requests_;
   }
 
  private:
@@ -73,7 +73,7 @@ class ScriptedAdapter {
       const std::string text = terminal_.receive(1, 5);
       if (text.empty()) continue;
       const std::lock_guard lock(mutex_);
-      asked_ += text;
+      requests_ += text;
       if (text != "\r") {
         line += text;
         continue;
@@ -86,7 +86,7 @@ class ScriptedAdapter {
   PseudoTerminal terminal_{};
   std::map<char, std::string> answers_;
   std::mutex mutex_{};
-  std::string asked_{};
+  std::string requests_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
@@ -124,7 +124,7 @@ TEST(SlcanBus, OpensClosesAndCountsAcknowledgedFrames) {
   EXPECT_EQ(bus.counters().sent, 1u);
   bus.close();
   EXPECT_EQ(bus.state(), BusState::closed);
-  EXPECT_THAT(adapter.asked(), testing::StartsWith("V\rC\rS6\rO\rF\rt123100\r"));
+  EXPECT_THAT(adapter.requests(), testing::StartsWith("V\rC\rS6\rO\rF\rt123100\r"));
 }
 
 TEST(SlcanBus, ReceivesFramesAmongGarbage) {
@@ -191,11 +191,11 @@ TEST(SlcanBus, AnAdapterThatAcknowledgesNothingIsKnownByItsVersion) {
     ReceivedFrame frame;
     ASSERT_TRUE(receive(bus, frame));
     EXPECT_EQ(frame.frame.id, 0x181u);
-    for (int ms = 0; ms < 1000 && !adapter.asked().ends_with("t123100\r"); ++ms)
+    for (int ms = 0; ms < 1000 && !adapter.requests().ends_with("t123100\r"); ++ms)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_THAT(adapter.asked(), HasSubstr("S6\r"));
-    EXPECT_THAT(adapter.asked(), HasSubstr("O\r"));
-    EXPECT_THAT(adapter.asked(), HasSubstr("t123100\r"));
+    EXPECT_THAT(adapter.requests(), HasSubstr("S6\r"));
+    EXPECT_THAT(adapter.requests(), HasSubstr("O\r"));
+    EXPECT_THAT(adapter.requests(), HasSubstr("t123100\r"));
   }
 }
 
@@ -233,8 +233,8 @@ TEST(SlcanBus, NoEmptyLineIsEverWritten) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     EXPECT_EQ(last_frames, "t20B400000000\rt00020000\r");
-    EXPECT_THAT(adapter.asked(), testing::Not(testing::StartsWith("\r")));
-    EXPECT_THAT(adapter.asked(), testing::Not(HasSubstr("\r\r")));
+    EXPECT_THAT(adapter.requests(), testing::Not(testing::StartsWith("\r")));
+    EXPECT_THAT(adapter.requests(), testing::Not(HasSubstr("\r\r")));
   }
 }
 
@@ -438,7 +438,7 @@ TEST_F(OurTwoEnds, FramesGoBothWaysWithoutAllocating) {
   EXPECT_EQ(adapter_.counters().received, 200u);
 }
 
-TEST_F(OurTwoEnds, AFullLineIsSaidAndWhatWasQueuedArrivesWholeAndInOrder) {
+TEST_F(OurTwoEnds, AFullLineIsReportedAndQueuedFramesArriveWholeAndInOrder) {
   std::size_t num_queued = 0;
   while (host_->try_send(numbered_frame(0x201, static_cast<std::uint8_t>(num_queued))) == SendResult::queued)
     ASSERT_LT(++num_queued, 1'000'000u);

@@ -1,5 +1,5 @@
-// What the tests on a real CAN stack share: they change interfaces, so they run where tests/vm/can_interfaces has set
-// some up for them, and skip elsewhere.
+// Shared parts of the tests on a real CAN stack. They change interfaces, so they run only if
+// tests/vm/can_interfaces has set up interfaces for them, and are skipped elsewhere.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 
 namespace godobject::test {
 
-/// The output of a shell command that has to succeed.
+/// Returns the output of a shell command that must succeed.
 inline std::string run(const std::string& command) {
   FILE* const pipe = popen((command + " 2>&1").c_str(), "r");
   std::string output;
@@ -31,7 +31,7 @@ inline std::string run(const std::string& command) {
 
 inline void pause_ms(int ms) { poll(nullptr, 0, ms); }
 
-/// The next frame, waited for at most so long.
+/// Returns the next frame, or none after the timeout.
 inline std::optional<ReceivedFrame> receive(LinuxBus& bus, int timeout_ms = 1000) {
   ReceivedFrame out;
   if (bus.try_receive(out)) return out;
@@ -45,14 +45,14 @@ inline std::optional<ReceivedFrame> receive(LinuxBus& bus, int timeout_ms = 1000
   return out;
 }
 
-/// Reads until nothing more comes for so long; returns how many frames there were.
+/// Reads until no frame has come for this time; returns the number of frames.
 inline std::size_t drain(LinuxBus& bus, int quiet_ms = 50) {
   std::size_t frames = 0;
   while (receive(bus, quiet_ms)) ++frames;
   return frames;
 }
 
-/// True once `holds`, asked between reads of the bus; false after so long.
+/// Returns true once `holds`, evaluated between reads of the bus; false after the timeout.
 template <class Condition>
 bool becomes_true(LinuxBus& bus, Condition&& holds, int timeout_ms = 2000) {
   for (int waited = 0; waited < timeout_ms; waited += 5) {
@@ -76,7 +76,7 @@ class CanTest : public testing::Test {
   }
 };
 
-/// Two interfaces on one bus (or twice the same): what can be tried on vcan and on controllers alike.
+/// Two interfaces on one bus (or the same one twice), for tests that run on vcan and on controllers.
 class CanPairTest : public CanTest {
  protected:
   void SetUp() override {

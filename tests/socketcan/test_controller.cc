@@ -1,5 +1,5 @@
-// A controller's states and errors, as the kernel's slcan driver makes them from what an adapter reports: real error
-// frames from a real driver, the adapter being this test at the other end of a pseudo-terminal.
+// States and errors of a controller, as reported by the kernel's slcan driver. The error frames are real and
+// come from a real driver; the test is the adapter at the other end of a pseudo-terminal.
 // Reports (Lawicel, linux drivers/net/can/slcan): "s" a|w|p|b RRR TTT state with REC and TEC; "e" N codes.
 #include <fcntl.h>
 #include <linux/can/error.h>
@@ -44,7 +44,7 @@ class ControllerTest : public CanTest {
   }
 
   void TearDown() override {
-    // While somebody still reads what the driver says to its adapter.
+    // While the driver's messages to its adapter are still read.
     if (line_ >= 0 && !name.empty()) run("ip link set " + name + " down");
     unplug();
   }
@@ -72,7 +72,7 @@ class ControllerTest : public CanTest {
   }
 
  private:
-  /// The driver waits until its commands have been read.
+  /// Reads the driver's commands, because the driver waits for that.
   void read_line(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       pollfd waiting{.fd = adapter_, .events = POLLIN, .revents = 0};
@@ -86,7 +86,7 @@ class ControllerTest : public CanTest {
 
   int adapter_ = -1, line_ = -1;
   std::mutex mutex_;
-  std::string told_;  // what the driver wrote
+  std::string told_;  // bytes written by the driver
   std::jthread reader_;
 };
 
@@ -182,7 +182,8 @@ TEST_F(ControllerTest, UnpluggingTheAdapterRemovesTheInterface) {
   EXPECT_EQ(bus->try_send({.id = 1}), SendResult::down);
 }
 
-// slcan has no restart, so its report is sent by another socket, as a driver would: test_restart.cc has one that does.
+// slcan has no restart, so its report is sent by another socket, as by a driver; test_restart.cc uses a real
+// one.
 TEST_F(VirtualCanTest, ARestartEndsBusOff) {
   ASSERT_TRUE(bus.open());
   const int driver = socket(PF_CAN, SOCK_RAW, CAN_RAW);

@@ -11,7 +11,8 @@ namespace {
 constexpr const char* interface_down = "interface down bus=can0";
 constexpr const char* interface_gone = "interface gone bus=can1";
 
-/// The verbs and the two. The controller of the wire is not the host's: what it does the host sees by the silence.
+/// Reactions to the verbs and to the two interface faults. The controller of the wire is not the host's, so
+/// the host detects its faults by silence.
 std::vector<FaultReaction> reactions() {
   std::vector<FaultReaction> out = fault_reactions(*two_joints().device->rig);
   for (FaultReaction& reaction : out)

@@ -1,4 +1,4 @@
-// Interfaces that go down, vanish, come back, or are not what was expected.
+// Interfaces that go down, disappear, return, or differ from the expected ones.
 #include "tests/socketcan/can_test.h"
 
 namespace godobject::test::test_interface {
@@ -38,7 +38,7 @@ TEST_F(VirtualCanTest, TheInterfaceGoesDownAndComesUpAgain) {
   EXPECT_EQ(bus.try_send({.id = 1}), SendResult::queued);
   EXPECT_EQ(bus.state(), BusState::error_active);
   EXPECT_EQ(bus.trouble(), "");
-  // The other one only listens: it is up again when something comes.
+  // The other bus only listens: it is up again when a frame comes.
   EXPECT_TRUE(becomes_true(other, [&] { return other.state() == BusState::error_active; }));
 }
 
@@ -67,7 +67,7 @@ TEST_F(VirtualCanTest, WhatCameBeforeTheInterfaceWentDownIsStillRead) {
   EXPECT_EQ(bus.state(), BusState::down);
 }
 
-// Without a read in between: the send finds out.
+// Without a read in between: sending detects it.
 TEST_F(VirtualCanTest, ASendNoticesThatTheInterfaceIsDown) {
   ASSERT_TRUE(bus.open());
   set("down");

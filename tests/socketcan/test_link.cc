@@ -1,4 +1,4 @@
-// What is said about an interface's settings, and frames in the kernel's layout: needs no CAN.
+// Messages about an interface's settings, and frames in the kernel's layout; needs no CAN.
 #include <gtest/gtest.h>
 
 #include <cerrno>

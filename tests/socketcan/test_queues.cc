@@ -1,4 +1,4 @@
-// Queues that run full and frames that are lost: nothing of it may pass unreported.
+// Full queues and lost frames: each loss must be reported.
 #include <cinttypes>
 #include <cstring>
 #include <fstream>
@@ -8,7 +8,7 @@
 namespace godobject::test::test_queues {
 namespace {
 
-// Own frames come back through the receive queue too, so the sender reads.
+// Sends frames and reads, because own frames come back through the receive queue.
 std::size_t send_many(SocketCanBus& bus, std::size_t frames) {
   std::size_t queued = 0;
   ReceivedFrame ignored;
@@ -26,13 +26,13 @@ TEST_F(VirtualCanTest, EveryFrameLostToAFullReceiveQueueIsCounted) {
   ASSERT_EQ(send_many(other, frames), frames);
   const std::size_t read = drain(bus);
   EXPECT_LT(read, frames);
-  ASSERT_EQ(send_many(other, 1), 1u);  // what was lost is told with the next frame
+  ASSERT_EQ(send_many(other, 1), 1u);  // the loss is reported with the next frame
   EXPECT_EQ(drain(bus), 1u);
   EXPECT_EQ(bus.counters().receive_overflow, frames - read);
   EXPECT_EQ(bus.counters().received, read + 1);
 }
 
-// A bus of 512 kbit/s with room for a handful of frames before it.
+// A bus of 512 kbit/s behind a queue of a few frames.
 TEST_F(VirtualCanTest, AFullTransmitQueueRefusesAndEmptiesAgain) {
   limit("tbf rate 512kbit burst 160 limit 320");
   ASSERT_TRUE(bus.open());
@@ -46,7 +46,7 @@ TEST_F(VirtualCanTest, AFullTransmitQueueRefusesAndEmptiesAgain) {
   EXPECT_GT(full, 0u);
   EXPECT_EQ(bus.counters().send_refused, full);
   EXPECT_NE(bus.trouble().find("txqueuelen"), std::string::npos) << bus.trouble();
-  EXPECT_EQ(drain(other, 100), queued);  // those that were refused have not been sent
+  EXPECT_EQ(drain(other, 100), queued);  // refused frames are not sent
   EXPECT_EQ(bus.try_send({.id = 0x300}), SendResult::queued);
   EXPECT_TRUE(becomes_true(bus, [&] { return bus.counters().sent == queued + 1; }));
 }
@@ -74,7 +74,7 @@ TEST_F(VirtualCanTest, DelayOnTheWayShowsInTheTimeStamp) {
   EXPECT_GE(received->t_ns - sent, 29'000'000);
 }
 
-/// The numbers that cangen puts into its frames.
+/// Sequence numbers that cangen writes into its frames.
 struct Sequence {
   std::uint64_t frames = 0, out_of_order = 0;
   std::optional<std::uint64_t> last;
@@ -99,7 +99,7 @@ std::uint64_t frames_of_interface(const std::string& name) {
   return frames;
 }
 
-// cangen sends as fast as it can, and takes the receiver's processor time for it.
+// cangen sends as fast as possible, and takes processor time from the receiver.
 TEST_F(CanPairTest, NoFrameIsLostOrReorderedUnreportedAtFullLoad) {
   const std::uint64_t before = frames_of_interface(far_name);
   FILE* const cangen = popen(
@@ -110,7 +110,7 @@ TEST_F(CanPairTest, NoFrameIsLostOrReorderedUnreportedAtFullLoad) {
   while (const auto received = receive(*far, 1000)) sequence.see(received->frame);
   const double elapsed = 1e-9 * static_cast<double>(MonotonicClock{}.now() - start) - 1;
   pclose(cangen);
-  // What was lost last is told with the next frame.
+  // The last loss is reported with the next frame.
   ASSERT_EQ(near->try_send({.id = 0x7FF, .size = 8}), SendResult::queued);
   ASSERT_TRUE(receive(*far));
 

@@ -1,4 +1,4 @@
-// Bus-off and the way back through a driver that has one: by the kernel's timer, and by hand.
+// Bus-off and restart with a driver that supports it: by the kernel's timer, and by hand.
 #include "tests/socketcan/usb_can_adapter.h"
 
 namespace godobject::test::test_restart {

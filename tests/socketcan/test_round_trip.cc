@@ -73,7 +73,7 @@ TEST_F(CanPairTest, TimeStampsAreOnTheMonotonicClockAndInOrder) {
   for (std::uint32_t i = 0; i < 50; ++i) {
     const Nanoseconds before = MonotonicClock{}.now();
     ASSERT_EQ(near->try_send(frame_of(0x300 + i, 8)), SendResult::queued);
-    if (i % 10 == 0) pause_ms(20);  // a frame that has waited keeps the time it came
+    if (i % 10 == 0) pause_ms(20);  // a waiting frame keeps its time of arrival
     const Nanoseconds sent = MonotonicClock{}.now();
     const auto received = receive(*far);
     ASSERT_TRUE(received);
@@ -116,7 +116,7 @@ TEST_F(CanPairTest, OnlyWantedIdentifiersPass) {
   EXPECT_THAT(sizes, testing::ElementsAre(2, 3));
 }
 
-// Filters act on own frames too: those named are confirmed, others are sent all the same.
+// Filters act on own frames too: those that pass are confirmed, others are sent nevertheless.
 TEST_F(CanPairTest, OwnFramesAreConfirmedWhereTheyPassTheFilter) {
   const CanFilter wanted[] = {{.id = 0x201, .mask = 0x7FF}};
   SocketCanBus filtered(near_name, {.bit_rate = bit_rate, .filters = wanted});

@@ -1,5 +1,6 @@
-// A CAN adapter on USB for the kernel's esd_usb driver: dummy_hcd is the cable, the kernel's gadget side (configfs,
-// FunctionFS) the device's USB controller, this its firmware. Unlike slcan that driver knows restart.
+// A CAN adapter on USB for the kernel's esd_usb driver. dummy_hcd is the cable, the kernel's gadget side
+// (configfs, FunctionFS) the device's USB controller, and this class its firmware. Unlike slcan that driver
+// supports restart.
 // Messages: linux drivers/net/can/usb/esd_usb.c.
 #pragma once
 
@@ -51,7 +52,7 @@ class UsbCanAdapter {
   UsbCanAdapter(const UsbCanAdapter&) = delete;
   UsbCanAdapter& operator=(const UsbCanAdapter&) = delete;
 
-  /// Of the network interface; empty when the driver has made none within 2 s.
+  /// Name of the network interface; empty if the driver has made none within 2 s.
   std::string interface() const {
     namespace fs = std::filesystem;
     for (int waited_ms = 0; waited_ms < 2000; waited_ms += 10, pause_ms(10)) {
@@ -75,7 +76,7 @@ class UsbCanAdapter {
   inline static const std::string gadget = "/sys/kernel/config/usb_gadget/can", folder = "/run/usb_can";
   enum Command : std::uint8_t { version = 1, can_receive = 2, can_transmit = 3 };
 
-  /// words: of the whole message, of 32 bits. last: what the fourth byte is to the command.
+  /// words: length of the whole message in words of 32 bits. last: fourth byte, with a meaning by command.
   static std::uint32_t header(std::uint8_t words, Command command, std::uint8_t last = 0) {
     return words | std::uint32_t{command} << 8 | std::uint32_t{last} << 24;
   }
@@ -85,7 +86,7 @@ class UsbCanAdapter {
     return file;
   }
 
-  /// One interface with bulk endpoints 1 in and 2 out, at full and at high speed.
+  /// Describes one interface with bulk endpoints 1 in and 2 out, at full and at high speed.
   void describe() const {
     struct [[gnu::packed]] Endpoints {
       usb_interface_descriptor interface;
@@ -119,7 +120,7 @@ class UsbCanAdapter {
     EXPECT_EQ(write(control_, &strings, sizeof strings), ssize_t{sizeof strings});
   }
 
-  /// Until the plug is pulled. Bit rate and filters are accepted, and every frame sent at once.
+  /// Serves until the plug is pulled. Accepts bit rate and filters, and sends every frame at once.
   void serve() {
     std::array<std::uint32_t, 128> message{};
     while (read(from_driver_, message.data(), sizeof message) > 0) {

@@ -1,5 +1,5 @@
-// The buses of a simulated rig, through the kernel: each is a virtual CAN interface with the host at one socket and the
-// rig's wire at another.
+// The buses of a simulated rig, through the kernel. Each is a virtual CAN interface with the host at one
+// socket and the rig's wire at another.
 #pragma once
 
 #include <deque>
@@ -14,11 +14,11 @@
 
 namespace godobject::test {
 
-/// What one end has handed to the kernel the other has got before time goes on: however long the machine takes over it,
-/// no bus time passes. A frame is late or lost only by what the simulated wire does to it.
+/// Bus time advances only after one end has received all frames that the other passed to the kernel. However
+/// slow the machine is, a frame is late or lost only by the simulated wire.
 class VcanBus final : public CanBus {
  public:
-  /// Makes the interface; root. `wire`: the host's port on the simulated wire.
+  /// Makes the interface; requires root. wire: the host's port on the simulated wire.
   VcanBus(std::string interface, SimCanPort& wire, const std::vector<CanFilter>& filters)
       : interface_(std::move(interface)),
         wire_(wire),
@@ -28,7 +28,7 @@ class VcanBus final : public CanBus {
   }
   ~VcanBus() override { unplug(); }
 
-  // Host's end; its stamps are those of the simulated wire: the kernel's are of wall time.
+  // Host's end; its stamps are those of the simulated wire, because the kernel's are of wall time.
   [[nodiscard]] bool open() noexcept override { return host_.open(); }
   void close() noexcept override { host_.close(); }
   [[nodiscard]] SendResult try_send(const CanFrame& frame) noexcept override {
@@ -49,7 +49,7 @@ class VcanBus final : public CanBus {
   BusState state() const noexcept override { return host_.state(); }
   BusCounters counters() const noexcept override { return host_.counters(); }
 
-  /// What the host has sent goes onto the wire.
+  /// Passes frames of the host to the wire.
   void carry_out() {
     for (; to_device_ > 0; --to_device_) {
       const std::optional<ReceivedFrame> received = receive(device_);
@@ -57,7 +57,7 @@ class VcanBus final : public CanBus {
       if (received) static_cast<void>(wire_.try_send(received->frame));
     }
   }
-  /// What has come over the wire goes to the host. Of an interface that is down or gone: nowhere.
+  /// Passes frames from the wire to the host; drops them if the interface is down or gone.
   void carry_in() {
     for (ReceivedFrame received; wire_.try_receive(received);) {
       const SendResult result = device_.try_send(received.frame);
@@ -65,7 +65,7 @@ class VcanBus final : public CanBus {
       if (result == SendResult::queued) to_host_.push_back(received.t_ns);
     }
   }
-  /// Reads the host's own frames that the kernel has given back, once it has read all others.
+  /// Reads the host's own frames that the kernel returned, once it has read all others.
   void confirm() {
     if (!to_host_.empty()) return;
     ReceivedFrame unexpected;
@@ -86,11 +86,12 @@ class VcanBus final : public CanBus {
   std::string interface_;
   SimCanPort& wire_;
   SocketCanBus host_, device_;
-  std::size_t to_device_ = 0;        // frames that the kernel has for it
-  std::deque<Nanoseconds> to_host_;  // the same, by when each was complete on the wire
+  std::size_t to_device_ = 0;        // frames that the kernel holds for the device
+  std::deque<Nanoseconds> to_host_;  // frames that the kernel holds for the host, by their time of completion
+                                     // on the wire
 };
 
-/// Its time moves as that of a SimLink.
+/// A link with the time of a SimLink.
 class VcanLink final : public RigLink {
  public:
   VcanLink(const SimRigConfig& config, std::shared_ptr<const Hand> hand, Nanoseconds period, Nanoseconds poll,

@@ -1,5 +1,5 @@
-// Contrast for the stability map: semi-implicit Euler with the spring's force at the start of the step, as a
-// general-purpose physics engine treats an external force. Not for use.
+// Contrast for the stability map: semi-implicit Euler with the spring's force at the start of the step. A
+// general-purpose physics engine treats an external force so. Not for use.
 #pragma once
 
 #include "core/body/coupling.h"

@@ -22,9 +22,9 @@ class InstructionCounter {
   /// Returns the reason that counting is impossible; empty if it is possible.
   const std::string& why_not() const { return why_not_; }
 
-  /// Returns the instructions per step of a composition on a motion of the probe at 1 ms, by default that of
-  /// S1 with one body: (count of 2 n steps - count of n steps) / n. Returns nullopt without valgrind or the
-  /// probe.
+  /// Returns the instructions per step of a composition on a motion of the probe at 1 ms. The default motion
+  /// is that of S1 with one body. The result is (count of 2 n steps - count of n steps) / n; nullopt without
+  /// valgrind or the probe.
   std::optional<double> per_step(const std::string& composition, const std::string& motion = "s1");
 
  private:

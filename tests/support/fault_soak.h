@@ -1,4 +1,4 @@
-// Random faults, one after the other, for a long bus time: each is detected, named as documented and
+// Random faults, one after the other, for a long bus time. Each is detected, named as documented and
 // recovered from, with zero torque within the watchdog time.
 #pragma once
 

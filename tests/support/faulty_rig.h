@@ -1,5 +1,5 @@
-// A small haptic device on simulated buses, with its host and a hand that moves it, for fault injection:
-// turret and elbow, each with an encoder on can0 (nodes 1, 2) and a drive on can1 (nodes 1, 2).
+// A small haptic device on simulated buses, with its host and a hand that moves it, for fault injection. Its
+// joints are turret and elbow, each with an encoder on can0 (nodes 1, 2) and a drive on can1 (nodes 1, 2).
 #pragma once
 
 #include <algorithm>

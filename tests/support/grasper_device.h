@@ -1,6 +1,6 @@
-// A device with the joints of a laparoscopic grasper: a universal joint in the trocar (two hinges), a shaft
-// that slides and rotates in it, two jaws on its end. Four handles: trocar, shaft and both jaws. Encoders on
-// every joint; drives on all but the shaft's rotation.
+// A device with the joints of a laparoscopic grasper. They are a universal joint in the trocar (two hinges),
+// a shaft that slides and rotates in it, and two jaws on its end. Four handles: trocar, shaft and both jaws.
+// Encoders on every joint; drives on all but the shaft's rotation.
 #pragma once
 
 #include <numbers>

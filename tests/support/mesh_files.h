@@ -122,8 +122,8 @@ inline std::vector<MeshFileText> cubes_in_every_format() {
           {".stl", cube_binary_stl()}};
 }
 
-/// Returns the file with one to eight mutations by damage, careless writers or attackers: a byte or bit
-/// changed, a range removed, duplicated or moved, the end missing, a number replaced by an invalid one.
+/// Returns the file with one to eight mutations by damage, careless writers or attackers. A mutation changes
+/// a byte or bit, removes, duplicates or moves a range, cuts the end, or replaces a number by an invalid one.
 inline std::string mutated(std::string file, std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto below = [&](std::size_t n) { return n == 0 ? std::size_t{0} : random() % n; };

@@ -16,7 +16,7 @@ namespace {
 constexpr Nanoseconds ms = 1'000'000;
 Nanoseconds now_ns = 0;
 
-SceneConfig led(const std::string& name) {
+SceneConfig driven_by_page(const std::string& name) {
   SceneConfig scene = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name).scene.value();
   lead_by_pointer(scene);
   return scene;
@@ -24,7 +24,7 @@ SceneConfig led(const std::string& name) {
 
 /// A session with a page's keys as its device, and a clock of the test's own.
 struct Played {
-  explicit Played(const std::string& name) : scene(led(name)) {
+  explicit Played(const std::string& name) : scene(driven_by_page(name)) {
     now_ns = 1'000 * ms;
     made = make_session(scene, Motion(scene), BusChoice::direct);
     EXPECT_TRUE(made.errors.empty());
@@ -176,7 +176,7 @@ TEST(JointPointer, ListensToOnePageAtATime) {
 
 TEST(JointPointer, LeavesOtherScenesToThePointer) {
   for (const char* name : {"wall.toml", "lego.toml"}) {
-    const SceneConfig scene = led(name);
+    const SceneConfig scene = driven_by_page(name);
     EXPECT_FALSE(scene.device->unmeasured_tree) << name;
     EXPECT_TRUE(scene.device->grab_radius) << name;
   }

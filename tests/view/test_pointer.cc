@@ -60,7 +60,7 @@ class PointerTest : public testing::Test {
 
 constexpr double wall_x = 0.08, half_width = 0.015;
 
-TEST_F(PointerTest, TakesHoldWithoutMovingAnything) {
+TEST_F(PointerTest, GripsWithoutMotion) {
   const Vec3 before = tool();
   run(500);
   EXPECT_EQ(record.held, 0u);
@@ -111,7 +111,7 @@ TEST_F(PointerTest, IsStaleAfterThreePeriods) {
   EXPECT_EQ(record.hand_W.f.norm(), 0);
 }
 
-TEST_F(PointerTest, LetsGoWhenItsPageIsGone) {
+TEST_F(PointerTest, ReleasesWhenItsPageIsGone) {
   run(500);
   ASSERT_EQ(record.held, 0u);
   pointer.leave(2);

@@ -17,7 +17,7 @@
 namespace godobject::test_tap {
 namespace {
 
-TEST(Latest, IsGivenWhenItWasAskedForAndThenStays) {
+TEST(Latest, IsGivenOnRequestAndThenStays) {
   Latest<int> latest(0);
   EXPECT_FALSE(latest.wanted());
   EXPECT_EQ(latest.get(), nullptr);

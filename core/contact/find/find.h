@@ -24,7 +24,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   const bool sweeps = b >= N && travel > reach;
   const std::size_t before = near.size;
   Real before_end = 0;
-  bool was_apart = false;
+  bool were_separated = false;
   const auto add = [&](const EdgeCrossing& crossing) noexcept {
     NearContact at{.key = key | crossing.edges,
                    .of = o,
@@ -39,14 +39,15 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
     const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
     at.d -= before_end * v_n;
     at.p_W += before_end * v_a;
-    was_apart |= at.d + w.since() * v_n <= reach;
+    were_separated |= at.d + w.since() * v_n <= reach;
     add_near(w, at, infinity, near);
   };
   const auto add_end = [&](bool may_be_sunk) noexcept {
     return each_crossing(w.placed[o], w.placed[q], may_be_sunk, add);
   };
   const BoxesAre at_end = add_end(true);
-  if (!sweeps || was_apart || (at_end == BoxesAre::in_touch && !(travel > sunk_depth / edge_reach * reach)))
+  if (!sweeps || were_separated ||
+      (at_end == BoxesAre::in_touch && !(travel > sunk_depth / edge_reach * reach)))
     return at_end;
   before_end = time_from_touch(w, a, o, b, q, travel, reach);
   if (!(before_end > 0)) return at_end;
@@ -105,7 +106,7 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
   const std::size_t before = near.size;
   if (were_deep.spheres || find(nullptr, nullptr)) {
     near.forget_from(before);
-    const Vec3 a_leaves = parting(w, a, b, were_deep.pushed_W), b_leaves = -a_leaves;
+    const Vec3 a_leaves = separation_direction(w, a, b, were_deep.pushed_W), b_leaves = -a_leaves;
     find(&a_leaves, &b_leaves);
   }
   if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;

@@ -13,7 +13,7 @@ namespace godobject {
 template <class Contacts, std::size_t N>
 void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
               NearContacts<Contacts::max_contacts>& near) noexcept {
-  at.v_n = opening_at(w, at.a, at.b, at.p_W, at.n_W);
+  at.v_n = opening_speed(w, at.a, at.b, at.p_W, at.n_W);
   if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
 }
 
@@ -54,7 +54,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       const auto found_all = [&](std::uint32_t hits, const Pack& d, const Vector3<Pack>& n_W) noexcept {
         if (hits == 0) return;
         const Vector3<Pack> p_W = pack.p_W - n_W * pack.r;
-        const Pack v_n = opening_at<Pack>(w, a, b, p_W, n_W);
+        const Pack v_n = opening_speed<Pack>(w, a, b, p_W, n_W);
         hits &= bits(pack.r * -contact_reach < max(d, d + w.h * v_n));
         const auto p = columns(p_W), n = columns(n_W);
         for (; hits != 0; hits &= hits - 1) {

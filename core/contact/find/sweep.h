@@ -20,8 +20,8 @@ inline SurfacePoint nearest_of(const PlacedShape& shape, const Vec3& p_W, Real r
 /// Place of a sphere against the surface that it touched first.
 struct SweptContact {
   bool touches = false;
-  bool was_inside = false;  // its centre, where it starts: it has no way in
-  Real depth = 0;           // where the stage is predicted to end, m: of the plane through where it touched
+  bool was_inside = false;  // true if its centre was inside at the start, so that there is no entry
+  Real depth = 0;           // depth at the predicted end of the stage against the plane of the touch, m
   Vec3 n_W = Vec3::UnitZ();
 };
 
@@ -30,7 +30,7 @@ struct SweptContact {
 /// most the way.
 /// deep(left): depth, left from 1 to 0. in_touch: depths that count as touching. Result < 0: no touch.
 template <class Depth>
-Real left_at_touch(Real way, Real in_touch, Depth deep) noexcept {
+Real remaining_at_touch(Real way, Real in_touch, Depth deep) noexcept {
   const Real first = deep(1), last = deep(0), touch = std::max(first, Real(0)) + in_touch;
   if (last > touch) {
     Real left = (last - touch) / way;
@@ -59,8 +59,10 @@ inline SweptContact swept(const PlacedShape& shape, const Vec3& p_W, const Vec3&
   const SurfacePoint start = at(1);
   if (!(start.distance > 0)) return {.was_inside = true};
   Real left =
-      left_at_touch(way, sweep_tolerance * r, [&](Real part) noexcept { return r - at(part).distance; });
-  if (left < 0 && start.distance < r && start.n.dot(back_W) > r) left = 1;  // in touch, and on through
+      remaining_at_touch(way, sweep_tolerance * r, [&](Real part) noexcept { return r - at(part).distance; });
+  if (left < 0 && start.distance < r && start.n.dot(back_W) > r)
+    left = 1;  // in touch, and moving on through
+               // the surface
   if (left < 0) return {};
   const SurfacePoint s = at(left);
   return {.touches = true, .depth = r - s.distance + left * s.n.dot(back_W), .n_W = s.n};
@@ -97,7 +99,7 @@ template <class Contacts, std::size_t N>
     return depth_of(BoxOnBox(earlier(w, a, o, left * w.since()), earlier(w, b, q, left * w.since())));
   };
   if (deep(1) > sunk_depth / edge_reach * reach) return -1;
-  return w.since() * left_at_touch(travel, edge_touch * reach, deep);
+  return w.since() * remaining_at_touch(travel, edge_touch * reach, deep);
 }
 
 }  // namespace godobject

@@ -36,11 +36,11 @@ bool Client::begin(ObjectAddress address, Expected expected, const Message& firs
   late_aborts_ = repeats_;
   repeats_ = 0;
   state_ = TransferState::busy;
-  ask(first, expected);
+  request(first, expected);
   return true;
 }
 
-void Client::ask(const Message& message, Expected expected) noexcept {
+void Client::request(const Message& message, Expected expected) noexcept {
   message_ = message;
   expected_ = expected;
   must_send_ = true;
@@ -96,8 +96,8 @@ bool Client::on_frame(const CanFrame& frame) noexcept {
   Message message;
   std::size_t size = 0;
   const bool initiating = expected_ == Expected::initiate_download || expected_ == Expected::initiate_upload;
-  const bool asked = !must_send_ || (initiating && repeats_ > 0);
-  if (!busy() || !asked || parse_response(frame, node_, message, size) != ParseResult::ok) return false;
+  const bool requested = !must_send_ || (initiating && repeats_ > 0);
+  if (!busy() || !requested || parse_response(frame, node_, message, size) != ParseResult::ok) return false;
   const auto response = static_cast<Response>(command_of(message));
   if (!is_of_this_transfer(message, size)) return false;  // late answer to an earlier transfer
   must_send_ = false;                                     // cancels a repeat not yet sent
@@ -136,8 +136,8 @@ void Client::send_segment() noexcept {
   const std::size_t count = std::min(segment_capacity, size_ - position_);
   const auto bytes = std::span<const std::uint8_t>(data_).subspan(position_, count);
   position_ += count;
-  ask(make_segment(Request::download_segment, toggle_, position_ == size_, bytes),
-      Expected::download_segment);
+  request(make_segment(Request::download_segment, toggle_, position_ == size_, bytes),
+          Expected::download_segment);
 }
 
 void Client::on_upload_started(const Message& message, std::size_t size) noexcept {
@@ -160,7 +160,7 @@ void Client::on_upload_started(const Message& message, std::size_t size) noexcep
     give_up(TransferState::too_large, AbortCode::out_of_memory);
     return;
   }
-  ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
+  request(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
 }
 
 void Client::on_upload_segment(const Message& message, std::size_t size) noexcept {
@@ -184,7 +184,7 @@ void Client::on_upload_segment(const Message& message, std::size_t size) noexcep
     finish(TransferState::done);
   } else {
     toggle_ = !toggle_;
-    ask(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
+    request(make_turn(Request::upload_segment, toggle_), Expected::upload_segment);
   }
 }
 

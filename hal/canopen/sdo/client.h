@@ -63,7 +63,7 @@ class Client {
   enum class Expected : std::uint8_t { initiate_download, download_segment, initiate_upload, upload_segment };
 
   bool begin(ObjectAddress address, Expected expected, const Message& first) noexcept;
-  void ask(const Message& message, Expected expected) noexcept;
+  void request(const Message& message, Expected expected) noexcept;
   bool may_repeat() const noexcept;
   bool is_of_this_transfer(const Message& message, std::size_t size) noexcept;
   void on_upload_started(const Message& message, std::size_t size) noexcept;

@@ -29,7 +29,7 @@ void PtyBus::close() noexcept {
   if (slave_fd_ >= 0) ::close(slave_fd_);
   slave_fd_ = -1;
   channel_ = Channel::closed;
-  asked_bit_rate_ = 0;
+  requested_bit_rate_ = 0;
   why_.clear();
 }
 
@@ -68,7 +68,7 @@ bool PtyBus::handle(std::string_view line, ReceivedFrame& out) noexcept {
   switch (request.kind) {
     case slcan::RequestKind::send: return receive(request.frame, out);
     case slcan::RequestKind::set_bit_rate:
-      if (!is_open) asked_bit_rate_ = slcan::bit_rates[request.value];
+      if (!is_open) requested_bit_rate_ = slcan::bit_rates[request.value];
       answer(is_open ? slcan::refused_reply : slcan::ok_reply);
       break;
     case slcan::RequestKind::open: open_channel(Channel::open); break;
@@ -137,8 +137,8 @@ std::string PtyBus::trouble() const {
   if (line_.port().state() != SerialState::open) return line_.port().trouble();
   if (channel_ == Channel::closed)
     return name() + ": waits for the other end to open it, e.g. godobject monitor --bus slcan:" + name();
-  if (asked_bit_rate_ > 0 && std::abs(asked_bit_rate_ - bit_rate_) > 0.5)
-    return name() + ": the other end expects " + std::to_string(std::lround(asked_bit_rate_)) +
+  if (requested_bit_rate_ > 0 && std::abs(requested_bit_rate_ - bit_rate_) > 0.5)
+    return name() + ": the other end expects " + std::to_string(std::lround(requested_bit_rate_)) +
            " bit/s, this bus has " + std::to_string(std::lround(bit_rate_)) +
            ": a real bus would fail; set one bit rate at both ends";
   return "";

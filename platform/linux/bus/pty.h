@@ -1,5 +1,5 @@
-// A CAN bus on a pseudo-terminal: simulates an SLCAN adapter for the program that opens name(), such as a
-// SlcanBus, python-can's slcan interface or slcand of can-utils.
+// A CAN bus on a pseudo-terminal: simulates an SLCAN adapter for the program that opens name().
+// Such programs are SlcanBus, python-can's slcan interface and slcand of can-utils.
 #pragma once
 
 #include <string>
@@ -47,7 +47,7 @@ class PtyBus final : public LinuxBus {
   SlcanLine line_{};
   int slave_fd_ = -1;  // kept open, because reading the master without an open slave is an error
   Channel channel_ = Channel::closed;
-  double asked_bit_rate_ = 0;  // bit rate set by the other end; 0: not set
+  double requested_bit_rate_ = 0;  // bit rate set by the other end; 0: not set
   BusCounters counters_{};
   std::string why_{};
 };

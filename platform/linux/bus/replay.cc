@@ -67,9 +67,9 @@ bool read_up_to(std::istream& file, std::size_t max_bytes, std::string& text) {
 /// Joins the names of a log's interfaces, as many as fit into a message.
 std::string joined(const std::set<std::string, std::less<>>& names) {
   std::string text;
-  std::size_t told = 0;
+  std::size_t listed = 0;
   for (const std::string& name : names) {
-    if (told++ == max_named_interfaces) return text + ", ...";
+    if (listed++ == max_named_interfaces) return text + ", ...";
     text += (text.empty() ? "" : ", ") + printable(name);
   }
   return text;

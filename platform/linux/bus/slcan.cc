@@ -45,7 +45,7 @@ bool SlcanBus::open() noexcept {
     if (line_.put(first)) wait_for_quiet();
   version_.clear();
   if (!command(rate, "the bit rate") || !command(slcan::open_command, "to open its channel")) return false;
-  asks_flags_ = ask(slcan::flags_command, patience()) == Answer::flags;
+  has_flags_ = ask(slcan::flags_command, patience()) == Answer::flags;
   flags_due_ = MonotonicClock().now() + flags_period;
   state_ = BusState::error_active;
   num_unanswered_ = num_garbled_ = num_fd_ = 0;
@@ -96,7 +96,7 @@ SlcanBus::Answer SlcanBus::ask(std::string_view command, Nanoseconds patience) {
 }
 
 /// Returns the first text received after V, or its beginning if it is longer than a line; empty if none came.
-/// Ignores an echo. `wanted`: text to wait for; empty: any.
+/// Ignores an echo. Waits for the given text, or for any if that is empty.
 std::string SlcanBus::ask_version(const std::string& wanted) {
   const Nanoseconds deadline = MonotonicClock().now() + answer_timeout;
   const std::uint64_t num_overlong = line_.reader().num_overlong();
@@ -173,7 +173,7 @@ bool SlcanBus::try_receive(ReceivedFrame& out) noexcept {
   std::string_view line;
   while (line_.next(line))
     if (handle(line, out)) return true;
-  if (asks_flags_ && MonotonicClock().now() >= flags_due_ && line_.put(slcan::flags_command))
+  if (has_flags_ && MonotonicClock().now() >= flags_due_ && line_.put(slcan::flags_command))
     flags_due_ = MonotonicClock().now() + flags_period;
   return false;
 }

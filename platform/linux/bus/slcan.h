@@ -67,7 +67,7 @@ class SlcanBus final : public LinuxBus {
                                        // opened
   std::uint64_t num_fd_ = 0;           // CAN FD frames
   std::string version_{};              // answer to V of an adapter that acknowledges no commands; else empty
-  bool asks_flags_ = false;            // true if the adapter answers F
+  bool has_flags_ = false;             // true if the adapter answers F (request of flags)
   bool reports_state_ = false;         // true for the dialect of Linux's driver, which reports more than F
   Nanoseconds flags_due_ = 0;
   std::string why_{};

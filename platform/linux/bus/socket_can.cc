@@ -101,8 +101,8 @@ bool SocketCanBus::check_link() noexcept {
   }
   carries_fd_ = link.carries_fd();
   // Some drivers never report that their controller has started.
-  const bool told = link.controller && link.controller->state != BusState::down;
-  state_ = told ? link.controller->state : BusState::error_active;
+  const bool reported = link.controller && link.controller->state != BusState::down;
+  state_ = reported ? link.controller->state : BusState::error_active;
   return true;
 }
 

@@ -18,7 +18,7 @@ namespace godobject {
 
 /// The filters work in the kernel, also on own frames. They must pass the identifiers of own frames, so that
 /// BusCounters::sent counts them. An interface that goes down and up again is reused automatically. One that
-/// was unplugged needs close() and open(), which searches its name.
+/// was unplugged needs close() and open(), which looks it up by name.
 class SocketCanBus final : public LinuxBus {
  public:
   SocketCanBus(const std::string& interface, const BusSettings& settings);

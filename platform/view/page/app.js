@@ -127,7 +127,7 @@ for (const [name, text, key] of OPTIONS) {
   by("options").append(label);
 }
 by("options").append(Object.assign(document.createElement("small"), { textContent: "R: view all · T: dark, light · L: legend · left drag: orbit, right: pan, wheel: zoom" }));
-const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: pose of the hand"], ["calm", "coupling, at rest"], ["loaded", "coupling, at its load"],
+const LEGEND = [["tool", "tool, as simulated"], ["ghost", "device: pose of the hand"], ["unloaded", "coupling, at rest"], ["loaded", "coupling, at its load"],
   ["force", "force to the hand"], ["contact", "contact forces"], ["body", "other bodies"], ["obstacle", "obstacles"]];
 by("legend").innerHTML = LEGEND.map(([name, text]) => `<div><i style="background:#${COLOURS[name].toString(16).padStart(6, "0")}"></i>${text}</div>`).join("");
 

@@ -5,7 +5,7 @@ import { arrowGeometry, geometryOf, setPose, span, triangles } from "./solids.js
 import { bodyPose, couplingForce, feedbackForce, targetPose } from "./wire.js";
 
 export const COLOURS = {
-  tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, calm: 0x2c9c5a, loaded: 0xd5261c,
+  tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, unloaded: 0x2c9c5a, loaded: 0xd5261c,
   force: 0xb01fb0, contact: 0x1f7fd0, sphere: 0x333a44, lit: 0x404020,
 };
 const MAX_ARROWS = 4096, MANY = 150;
@@ -109,7 +109,7 @@ export class View {
       group.add(wires);
     }
     const line = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 8).rotateX(Math.PI / 2).translate(0, 0, 0.5),
-      new THREE.MeshBasicMaterial({ color: COLOURS.calm, depthTest: false, transparent: true }));
+      new THREE.MeshBasicMaterial({ color: COLOURS.unloaded, depthTest: false, transparent: true }));
     line.renderOrder = 4;
     const force = this.arrow(COLOURS.force);
     this.world.add(group, line, force);
@@ -219,7 +219,7 @@ export class View {
     const apart = tool.distanceTo(target) / (0.02 * this.extent);
     ghost.material.opacity = Math.min(1, 0.35 + 0.65 * apart);
     if (this.show.ghost) span(ghost.line, tool, target, 0.006 * this.extent * (1 + load));
-    ghost.line.material.color.set(COLOURS.calm).lerp(new THREE.Color(COLOURS.loaded), load);
+    ghost.line.material.color.set(COLOURS.unloaded).lerp(new THREE.Color(COLOURS.loaded), load);
     const force = this.about.takes_hold ? frame.handForce : feedbackForce(frame, i);
     if (this.show.arrows) this.pointArrow(ghost.force, target, force);
   }

@@ -12,7 +12,7 @@ namespace {
 
 // The page's colours.
 constexpr Colour tool_colour{0xd5, 0x45, 0x2c}, body_colour{0x7e, 0x9f, 0xc7},
-    obstacle_colour{0xa9, 0xa2, 0x94}, ghost_colour{0xe0, 0x8a, 0x1e}, calm_colour{0x2c, 0x9c, 0x5a},
+    obstacle_colour{0xa9, 0xa2, 0x94}, ghost_colour{0xe0, 0x8a, 0x1e}, unloaded_colour{0x2c, 0x9c, 0x5a},
     loaded_colour{0xd5, 0x26, 0x1c}, force_colour{0xb0, 0x1f, 0xb0}, contact_colour{0x1f, 0x7f, 0xd0};
 
 Colour between(const Colour& a, const Colour& b, double s) {
@@ -125,7 +125,7 @@ class PictureBuilder {
       picture_.meshes.push_back(
           {.name = "coupling",
            .mesh = rod(view.X_WB.p, view.target.X_WD.p, 0.006 * picture_.extent * (1 + load)),
-           .colour = between(calm_colour, loaded_colour, load),
+           .colour = between(unloaded_colour, loaded_colour, load),
            .in_front = true});
     add_arrow("force to the hand", view.target.X_WD.p,
               grips_bodies(scene_) ? record_.hand_W.f : view.feedback_D.f, force_colour);

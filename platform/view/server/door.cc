@@ -44,7 +44,7 @@ std::string_view token_in(std::string_view query) {
   return {};
 }
 
-/// True if the list "a, b" contains `wanted`.
+/// True if a list such as "a, b" contains the protocol.
 bool offers(std::string_view protocols, std::string_view wanted) {
   while (!protocols.empty()) {
     std::string_view one = protocols.substr(0, protocols.find(','));
@@ -130,7 +130,7 @@ Door::Door(std::string address, std::uint16_t port, std::string token)
 
 /// True for this server's own names. A foreign page may resolve its own name to this machine (DNS rebinding),
 /// and then sends that name.
-bool Door::knows_host(std::string_view host) const {
+bool Door::is_own_host(std::string_view host) const {
   const std::size_t colon = host.rfind(':');
   if (colon == std::string_view::npos || host.substr(colon + 1) != std::to_string(port_)) return false;
   std::string_view name = host.substr(0, colon);
@@ -141,7 +141,7 @@ bool Door::knows_host(std::string_view host) const {
 
 Verdict Door::judge(const KnockHead& head) const {
   constexpr int bad_method = 405, forbidden = 403, upgrade_required = 426, switching = 101;
-  if (!knows_host(head.host))
+  if (!is_own_host(head.host))
     return refusal(forbidden,
                    "host '" + std::string(head.host.substr(0, 64)) + "' is no name of this server");
   if (head.method != "GET") return refusal(bad_method, "only GET is answered");

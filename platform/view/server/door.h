@@ -40,7 +40,7 @@ class Door {
   Verdict judge(const KnockHead& head) const;
 
  private:
-  bool knows_host(std::string_view host) const;
+  bool is_own_host(std::string_view host) const;
 
   std::string address_, token_;
   std::uint16_t port_;

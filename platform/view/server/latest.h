@@ -6,7 +6,8 @@
 
 namespace godobject {
 
-/// Both ends are wait-free. The one slot belongs to the reader until ask(), then to the writer until give().
+/// Both ends are wait-free. The one slot belongs to the reader until its request, then to the writer until
+/// give().
 template <class T>
 class Latest {
   static_assert(std::atomic<bool>::is_always_lock_free);
@@ -16,25 +17,25 @@ class Latest {
   explicit Latest(const T& like) : value_(like) {}
 
   /// For the writer: true if the slot is the writer's and must be filled.
-  bool wanted() const noexcept { return asked_.load(std::memory_order_acquire); }
-  /// For the writer, while wanted().
+  bool wanted() const noexcept { return requested_.load(std::memory_order_acquire); }
+  /// For the writer, until give().
   T& slot() noexcept { return value_; }
-  void give() noexcept { asked_.store(false, std::memory_order_release); }
+  void give() noexcept { requested_.store(false, std::memory_order_release); }
 
   /// For the reader: requests the next value. The result of get() belongs to the writer from here on.
   void ask() noexcept {
     any_ = true;
-    asked_.store(true, std::memory_order_release);
+    requested_.store(true, std::memory_order_release);
   }
   /// For the reader: returns the requested value; null while there is none.
   const T* get() const noexcept {
-    return any_ && !asked_.load(std::memory_order_acquire) ? &value_ : nullptr;
+    return any_ && !requested_.load(std::memory_order_acquire) ? &value_ : nullptr;
   }
 
  private:
   T value_;
   bool any_ = false;  // the reader's
-  std::atomic<bool> asked_{false};
+  std::atomic<bool> requested_{false};
 };
 
 }  // namespace godobject

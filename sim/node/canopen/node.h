@@ -26,7 +26,7 @@ enum class SimDefaults : std::uint8_t {
 class SimCanopenNode : public SimNode, private ObjectObserver {
  public:
   /// bus: opened by the caller, outlives the node. heartbeat_period_ns: ns; 0: no heartbeat. Allocates, as
-  /// add_pdo and adding objects do; no other function does.
+  /// add_pdo, store and adding objects do; no other function does.
   SimCanopenNode(CanBus& bus, std::uint8_t node_id, Nanoseconds heartbeat_period_ns);
   SimCanopenNode(const SimCanopenNode&) = delete;
   SimCanopenNode& operator=(const SimCanopenNode&) = delete;

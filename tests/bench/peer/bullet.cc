@@ -1,5 +1,5 @@
-// Bullet 3.24 in double precision: btMultiBody, reduced coordinates by Featherstone's algorithm. No constraint is in
-// its world.
+// Bullet 3.24 in double precision: btMultiBody, reduced coordinates by Featherstone's algorithm. No
+// constraint is in its world.
 #define BT_USE_DOUBLE_PRECISION
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
@@ -69,7 +69,7 @@ class BulletChain final : public Peer {
   btMultiBodyConstraintSolver solver_;
   btMultiBodyDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   int num_links_;
-  mutable btMultiBody chain_;  // its poses are computed when asked for
+  mutable btMultiBody chain_;  // its poses are computed on request
   mutable btAlignedObjectArray<btQuaternion> rotations_;
   mutable btAlignedObjectArray<btVector3> origins_;
 };

@@ -1,8 +1,8 @@
 // Bullet 3.24 in double precision with contacts: rigid bodies, sequential impulses, no sleeping.
-//
 // The coupling is a force that takes the end of the step into account,
-//   F = m (m + h g + h^2 k)^-1 (k (x_D - x - h v) + g (v_D - v)),
-// what an implicit step of the body alone would have: a soft row in Bullet's solver diverges. Turns alike.
+// F = m (m + h g + h^2 k)^-1 (k (x_D - x - h v) + g (v_D - v)),
+// as an implicit step of the body alone would have it. A soft row in Bullet's solver diverges. Rotations
+// alike.
 #define BT_USE_DOUBLE_PRECISION
 #include <btBulletDynamicsCommon.h>
 
@@ -17,7 +17,7 @@ btTransform transform(const oracle::RigidState& x) {
   return btTransform(btQuaternion(x.q.x(), x.q.y(), x.q.z(), x.q.w()), vector(x.p));
 }
 
-/// What all bodies touch with.
+/// Shape of all bodies for contacts.
 class BulletShape {
  public:
   explicit BulletShape(const ContactScene& scene) {
@@ -93,7 +93,7 @@ class BulletContacts final : public ContactPeer {
     world_.emplace(scene_, shape_);
   }
 
-  /// All anew: contacts keep impulses from step to step.
+  /// Makes all objects again, because contacts keep impulses from step to step.
   void restart() override { world_.emplace(scene_, shape_); }
 
   void step(std::size_t n) override {

@@ -1,7 +1,7 @@
 // Bullet 3.24 in double precision: the hanging net as a btSoftBody, of links without stiffness in N/m.
-//
-// Every step of its solver moves the ends of each link to where it has its rest length, one link after the other, so many
-// times; held nodes have no inverse mass. Its damping is that of our nodes: a velocity loses h g / m of itself in a step.
+// Every iteration of its solver moves the ends of each link to its rest length, one link after the other.
+// Held nodes have no inverse mass. Its damping is that of our nodes: a velocity loses h g / m of itself in a
+// step.
 #define BT_USE_DOUBLE_PRECISION
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
@@ -26,7 +26,7 @@ class BulletNetWorld {
     info.m_gravity = gravity;
     info.m_sparsesdf.Initialize();
     info.m_sparsesdf.setDefaultVoxelsz(HangingNet::spacing);
-    btSoftBody::Material* const material = net_.appendMaterial();  // nodes want one before they come
+    btSoftBody::Material* const material = net_.appendMaterial();  // required before the nodes
     material->m_kLST = 1;
     for (std::uint32_t n = 0; n < HangingNet::num_nodes; ++n)
       net_.appendNode(vector(HangingNet::node(n)), HangingNet::is_held(n) ? 0 : HangingNet::m);

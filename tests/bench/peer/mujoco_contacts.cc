@@ -1,7 +1,7 @@
-// MuJoCo 2.2 with contacts: semi-implicit Euler, its Newton solver as it comes: 100 iterations, tolerance 1e-8.
-//
-// The pulled body has three slides and a ball joint, whose dampers are implicit and whose springs, which follow the
-// target, are explicit: the target is that of the start of the step.
+// MuJoCo 2.2 with contacts: semi-implicit Euler, its Newton solver with defaults: 100 iterations, tolerance
+// 1e-8.
+// The pulled body has three slides and a ball joint. Their dampers are implicit; their springs follow the
+// target and are explicit. The target is that of the start of the step.
 #include "tests/bench/peer/mujoco_model.h"
 #include "tests/bench/peer/peer.h"
 
@@ -24,7 +24,7 @@ void write_shapes(std::ostream& xml, const ContactScene& scene) {
     xml << "<geom type='sphere' size='" << scene.radius << "' pos='" << numbers(c) << "'/>";
 }
 
-/// The cones, and how fast contacts are restored, are those that do best.
+/// The cones and the restoration rate of contacts are the best found.
 std::string model_of(const ContactScene& scene) {
   std::ostringstream xml;
   xml.precision(17);

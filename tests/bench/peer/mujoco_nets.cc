@@ -1,7 +1,7 @@
-// MuJoCo 2.2: the hanging net of particles on three slides each, joined by spatial tendons. (Its flex came with 3.0; the
-// composite cloth of 2.2 is the same particles and tendons, made by its own rule.)
+// MuJoCo 2.2: the hanging net of particles on three slides each, joined by spatial tendons. Its flex came
+// with 3.0. The composite cloth of 2.2 is the same particles and tendons, made by its own rule.
 //
-// Tendons are springs, whose forces are explicit, in substeps that are stable; or equalities of their lengths, which have no
+// Tendons are springs with explicit forces, in stable substeps; or equalities of their lengths, which have no
 // stiffness in N/m. The damping of the air is that of the slides, which is implicit.
 #include "tests/bench/net_contest.h"
 #include "tests/bench/peer/mujoco_model.h"
@@ -86,7 +86,8 @@ class MujocoNet final : public NetPeer {
       mj_step(model_, data_);
     }
   }
-  /// At the end of the step: its own positions of bodies are those of the begin of the last substep.
+  /// Returns the position at the end of the step; MuJoCo's own positions are those at the start of the last
+  /// substep.
   Vec3 node(std::uint32_t n) const override {
     Vec3 p = HangingNet::node(n);
     if (HangingNet::is_held(n)) return p;

@@ -1,4 +1,5 @@
-// ODE 0.16: maximal coordinates, joints as constraint rows with error reduction, solved directly (dWorldStep).
+// ODE 0.16: maximal coordinates, joints as constraint rows with error reduction, solved directly
+// (dWorldStep).
 #include "tests/bench/peer/ode_rows.h"
 
 namespace godobject::bench {
@@ -6,7 +7,7 @@ namespace {
 
 using oracle::Vector3d;
 
-/// Anchor and axes in world axes, where the bodies start.
+/// Anchor and axes in world axes, at the bodies' start.
 struct Placed {
   Vector3d p, axis_P, axis_C;
 };

@@ -45,7 +45,7 @@ class OdeContacts final : public ContactPeer {
   std::size_t num_contacts() const override { return num_contacts_; }
 
  private:
-  /// All anew: ODE keeps the order of its lists and the impulses of the step before.
+  /// Makes all objects again, because ODE keeps the order of its lists and the impulses of the previous step.
   void make() {
     dRandSetSeed(0);  // of the order of the rows
     world_ = dWorldCreate();

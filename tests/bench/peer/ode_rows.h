@@ -1,7 +1,6 @@
 // A coupling as rows of ODE's constraint solver.
-//
-// F = k (x_D+ - x - h v+) + g (v_D+ - v+) is a motor of velocity (k e + g v_D) / (h k + g) with e = x_D+ - x, softened
-// by CFM = 1 / (h k + g). The same by axis for the rotation vector: implicit Euler.
+// F = k (x_D+ - x - h v+) + g (v_D+ - v+) is a motor of velocity (k e + g v_D) / (h k + g) with e = x_D+ - x,
+// softened by CFM = 1 / (h k + g). The same by axis for the rotation vector: implicit Euler.
 #pragma once
 
 #include <ode/ode.h>
@@ -43,7 +42,7 @@ inline dBodyID make_body(dWorldID world, const oracle::Body& par) {
   return body;
 }
 
-/// From one attitude to the other, world axes.
+/// Returns the rotation vector from one attitude to the other, world axes.
 inline oracle::Vector3d turn_to(const oracle::Quaterniond& q_D, const oracle::Quaterniond& q) {
   const Eigen::AngleAxisd turn(q_D * q.conjugate());
   return turn.angle() * turn.axis();
@@ -51,7 +50,7 @@ inline oracle::Vector3d turn_to(const oracle::Quaterniond& q_D, const oracle::Qu
 
 class OdeRows {
  public:
-  /// The joints are the world's, which destroys them.
+  /// The world owns the joints and destroys them.
   OdeRows(dWorldID world, dBodyID body, const oracle::Coupling& coupling)
       : coupling_(&coupling),
         body_(body),

@@ -1,4 +1,4 @@
-// Scenes of the benchmarks in other engines. What one cannot do is not there; docs of the set-ups are in the files.
+// Scenes of the benchmarks in other engines. Unsupported scenes are left out; the files document the set-ups.
 #pragma once
 
 #include <memory>
@@ -22,18 +22,18 @@ class Peer {
   virtual void restart() = 0;
   /// From tick n to n + 1.
   virtual void step(std::size_t n) = 0;
-  /// Pose of body i; velocities are not asked for.
+  /// Returns the pose of body i; its velocities are not set.
   virtual oracle::RigidState pose(std::size_t i) const = 0;
 };
 
-/// Of a scene with contacts: pose() gives the velocities too.
+/// Peer of a scene with contacts: pose() also returns the velocities.
 class ContactPeer : public Peer {
  public:
-  /// In the step before.
+  /// Number of contacts in the previous step.
   virtual std::size_t num_contacts() const = 0;
 };
 
-/// Makes a peer of a case, which both are kept for; targets are empty for a case without coupling.
+/// Makes a peer of a case. The peer refers to both arguments; targets are empty for a case without coupling.
 using MakePeer = std::unique_ptr<Peer> (*)(const oracle::Case& problem, const Targets& targets);
 
 /// ODE's direct step, the couplings as motor rows that make it implicit Euler.
@@ -45,7 +45,8 @@ std::unique_ptr<Peer> make_bullet(const oracle::Case& problem, const Targets& ta
 /// MuJoCo's Euler: reduced coordinates; chains of ball joints only.
 std::unique_ptr<Peer> make_mujoco(const oracle::Case& problem, const Targets& targets);
 
-/// Makes a peer of a scene with contacts, which both are kept for; targets are those of the first body alone.
+/// Makes a peer of a scene with contacts. The peer refers to both arguments; targets are those of the first
+/// body alone.
 using MakeContactPeer = std::unique_ptr<ContactPeer> (*)(const ContactScene& scene, const Targets& targets);
 
 /// ODE's direct step, motor rows, contacts that are the springs of the scene's law.

@@ -42,7 +42,7 @@ ContactLaw drawn_law(Random& random) {
           .push_out = random.uniform(0, 0.1)};
 }
 ContactStage drawn_stage(Random& random) {
-  ContactStage stage{.relaxing = random.uniform(0, 1e-3)};
+  ContactStage stage{.relaxation_time = random.uniform(0, 1e-3)};
   if (random.integer(0, 1) > 0) stage.t_0 = random.uniform(0, 1e-3);
   if (random.integer(0, 1) > 0) {
     stage.continues_step = true;
@@ -63,17 +63,17 @@ struct Drawn {
   std::array<ContactMemory, 4> of_step, of_stage;
   std::array<NearContact, 4> near;
   std::array<StageLawOf<Real>, 4> laws;
-  std::array<Real, 4> d_0, closed;
+  std::array<Real, 4> d_0, approach;
 
-  Drawn(Random& random, Real h, Real relaxing) {
+  Drawn(Random& random, Real h, Real relaxation_time) {
     for (std::size_t j = 0; j < 4; ++j) {
       near[j].n_W = random.direction();
       if (random.integer(0, 3) > 0) of_step[j] = drawn_memory(random, near[j].n_W);
       if (random.integer(0, 3) > 0) of_stage[j] = drawn_memory(random, near[j].n_W);
-      laws[j] = stage_law<Contacts>(drawn_law(random), random.log_uniform(1e-3, 10), h, relaxing,
+      laws[j] = stage_law<Contacts>(drawn_law(random), random.log_uniform(1e-3, 10), h, relaxation_time,
                                     random.integer(0, 1) > 0);
       d_0[j] = random.uniform(-1e-3, 2e-3);
-      closed[j] = random.uniform(0, 1e-3);
+      approach[j] = random.uniform(0, 1e-3);
     }
   }
 };
@@ -84,7 +84,7 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
   for (int n = 0; n < 20000; ++n) {
     const Real h = random.log_uniform(1e-4, 5e-3);
     const ContactStage stage = drawn_stage(random);
-    const Drawn drawn(random, h, stage.relaxing);
+    const Drawn drawn(random, h, stage.relaxation_time);
     const auto four = [](const auto& of) { return gathered({&of[0], &of[1], &of[2], &of[3]}); };
     const auto lanes = [](const auto& of) { return Pack(of[0], of[1], of[2], of[3]); };
     const StageLawOf<Pack> law = gathered(drawn.laws);
@@ -92,7 +92,7 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
                                        Column(drawn.near[2].n_W), Column(drawn.near[3].n_W));
     const InitialContactOf<Pack> initial =
         recalled<Pack>(law, stage, four(drawn.of_step), four(drawn.of_stage),
-                       {.n_W = n_W, .d_0 = lanes(drawn.d_0), .closed = lanes(drawn.closed)});
+                       {.n_W = n_W, .d_0 = lanes(drawn.d_0), .approach = lanes(drawn.approach)});
     const Vector3<Pack> F_W = in_lanes(Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())),
                                        Column(Vec3(5 * random.vector())), Column(Vec3(5 * random.vector())));
     const Pack d = random.uniform(-1e-3, 2e-3);
@@ -102,7 +102,7 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
     for (std::size_t j = 0; j < 4; ++j) {
       const InitialContactOf<Real> one =
           recalled<Real>(drawn.laws[j], stage, past(drawn.of_step[j]), past(drawn.of_stage[j]),
-                         {.n_W = drawn.near[j].n_W, .d_0 = drawn.d_0[j], .closed = drawn.closed[j]});
+                         {.n_W = drawn.near[j].n_W, .d_0 = drawn.d_0[j], .approach = drawn.approach[j]});
       expect_near(lane(initial.xi_W, j), one.xi_W, 1e-3);
       expect_near(initial.e[j], one.e, 1e-2);
       expect_near(initial.F_n[j], one.F_n, 10);
@@ -143,15 +143,15 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
     const ContactLaw law{.k = 1e4, .c = 10, .mu = 0.5, .k_t = 1e4, .c_t = 10};
     const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1, h, h, true);
     const NearFour near(list.data(), size);
-    const auto its_law = [&](const NearContact&) -> const ContactLaw& { return law; };
+    const auto law_in_stage = [&](const NearContact&) -> const ContactLaw& { return law; };
     const StageLawOf<Pack> laws =
-        laws_of(near, law, of_stage, its_law, [&](const ContactLaw&) { return of_stage; });
+        laws_of(near, law, of_stage, law_in_stage, [&](const ContactLaw&) { return of_stage; });
     Recall step(memories), stage_before(memories);
     ContactPack pack;
     InitialMemoryPack initial;
     None none;
-    begin_four(near, laws, near.sides(0), near.all(&NearContact::p_W), h, {.relaxing = h}, step, stage_before,
-               none, initial, pack);
+    begin_four(near, laws, near.sides(0), near.all(&NearContact::p_W), h, {.relaxation_time = h}, step,
+               stage_before, none, initial, pack);
     predict<false>(pack, SpatialVector::zero());
     ContactSums sums;
     add<false>(pack, h, sums);
@@ -160,7 +160,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
                 size * h * (of_stage.eta_n + 2 * pack.eta_t[0]), 1e-12);
     for (std::size_t j = 0; j < 4; ++j) {
       EXPECT_EQ(lane(pack.F, j).norm() > 0, j < size);
-      EXPECT_EQ(pack.touching[j], j < size ? 1 : 0);
+      EXPECT_EQ(pack.active[j], j < size ? 1 : 0);
     }
     ContactMemories<32> next{};
     move(pack, SpatialVector::zero());
@@ -197,7 +197,7 @@ TEST(FourAtATime, OfANewContactOnlyWhatAnExtrapolationMeasuredIsPressed) {
     return initial.e[0];
   };
   const Real stored = of_stage.max_stored_penetration;
-  const ContactStage second{.t_1 = h, .relaxing = h, .continues_step = true};
+  const ContactStage second{.t_1 = h, .relaxation_time = h, .continues_step = true};
   EXPECT_EQ(begun_in(second), 0);
   ContactStage after_euler = second;
   after_euler.is_euler = true;

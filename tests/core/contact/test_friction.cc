@@ -18,7 +18,7 @@ class Slider : public Running<Touching<I, 1, 4, AdmittanceDevice, 1>> {
  public:
   using S = Touching<I, 1, 4, AdmittanceDevice, 1>;
 
-  explicit Slider(const ContactLaw& its_law = law, int feet = 4) {
+  explicit Slider(const ContactLaw& law_in_stage = law, int feet = 4) {
     const Real spread = feet == 4 ? half_edge : 0;
     this->par.gravity_W = Vec3(0, 0, -g);
     // a table is a disc of its size, its centre of mass low; a ball is solid
@@ -28,8 +28,8 @@ class Slider : public Running<Touching<I, 1, 4, AdmittanceDevice, 1>> {
     for (int i = 0; i < feet; ++i)
       add_sphere(this->par, 0, Vec3(i % 2 == 0 ? spread : -spread, i < 2 ? spread : -spread, 0), radius);
     add_plane(this->par);
-    set_law(this->par, its_law);
-    const Real depth = m * g / (feet * its_law.k);
+    set_law(this->par, law_in_stage);
+    const Real depth = m * g / (feet * law_in_stage.k);
     place(this->x, 0, {.X_WB = {.p = Vec3(0, 0, radius - depth), .q = Quat::Identity()}, .V_WB = {}});
   }
 
@@ -200,7 +200,7 @@ TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
       .xi_W = Vec3(1e-4, 0, 0), .xi_dot_W = none, .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0},
       of_stage{.xi_W = xi_W, .xi_dot_W = Vec3(1, 1, 0), .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0};
   const ContactStage stage{.t_1 = 1e-4, .continues_step = true, .is_euler = true};
-  EXPECT_EQ(recalled<Real>({.k = 1000}, stage, of_step, of_stage, {.n_W = n_W, .d_0 = 0, .closed = 0}).xi_W,
+  EXPECT_EQ(recalled<Real>({.k = 1000}, stage, of_step, of_stage, {.n_W = n_W, .d_0 = 0, .approach = 0}).xi_W,
             xi_W);
 }
 

@@ -193,7 +193,7 @@ TEST(NetGroups, ContactsPutInAndTakenOutLeaveTheFactorOfTheRest) {
     ++num_touching;
     factor_nodes(w);
     const auto with_contacts = w.D_inverse;
-    take_contacts_out(w);
+    remove_contacts_from_factor(w);
     for (std::size_t c = 0; c < w.num_contacts; ++c) {
       const NodePlace& place = run.par.net.places[w.contacts[c].node];
       const Vec3 n = w.contacts[c].n.vec();
@@ -205,7 +205,7 @@ TEST(NetGroups, ContactsPutInAndTakenOutLeaveTheFactorOfTheRest) {
         EXPECT_GT(along(w.D_inverse[place.group]), along(with_contacts[place.group])) << run.of.text();
       }
     }
-    put_contacts_in(w);
+    add_contacts_to_factor(w);
     for (std::size_t g = 0; g < run.par.net.num_groups; ++g)
       for (int k = 0; k < 3; ++k) {
         const Pack &a = with_contacts[g].diagonal[k], &b = w.D_inverse[g].diagonal[k];

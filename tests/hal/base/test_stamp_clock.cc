@@ -39,7 +39,7 @@ TEST(StampClock, FollowsADriftingClock) {
   }
 }
 
-TEST(StampClock, AClockSetAnewIsFollowedAtOnce) {
+TEST(StampClock, AClockThatIsSetIsFollowedAtOnce) {
   StampClock clock;
   static_cast<void>(clock.to_local(50 * s, 100 * s));
   EXPECT_EQ(clock.to_local(0, 101 * s), 101 * s);

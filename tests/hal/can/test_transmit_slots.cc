@@ -83,7 +83,6 @@ TEST_F(Paced, TheNewestCommandTakesThePlaceOfTheOneThatWaits) {
 }
 
 // Space appears with the new command; the old one must not use it.
-// The room comes with the new command: the old one must not use it.
 TEST_F(Paced, AStaleCommandDoesNotLeaveBeforeTheNewOne) {
   send(0x201, 1);
   wire.room = 1;

@@ -54,7 +54,7 @@ TEST(Moteus, CommandOfTheDocumentation) {
   EXPECT_TRUE(reader.ok());
 }
 
-TEST(Moteus, FramesAreToldInWords) {
+TEST(Moteus, FramesAreDescribedInWords) {
   const DriveText reply = moteus::describe(moteus::make_reply(node, {.mode = moteus::mode_position,
                                                                      .position_rev = -0.25,
                                                                      .velocity_rev_per_s = 0,
@@ -176,7 +176,7 @@ class MoteusLinkTest : public testing::Test {
   const CanFrame query = moteus::make_query(node), stop = moteus::make_stop(node, true);
 };
 
-TEST_F(MoteusLinkTest, OnlyAsksUntilItIsToBeEnabled) {
+TEST_F(MoteusLinkTest, OnlyQueriesUntilItIsToBeEnabled) {
   EXPECT_TRUE(is(link.request({.goal = DriveGoal::enable}), query));
   reply(moteus::mode_stopped);
   EXPECT_EQ(telemetry.state, MotorState::off);

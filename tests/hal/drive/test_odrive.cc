@@ -47,7 +47,7 @@ TEST(Odrive, EstimatesComeBackAndNotANumberDoesNot) {
   EXPECT_EQ(out.position_rev, 1.25f);
 }
 
-TEST(Odrive, MessagesAreToldInWords) {
+TEST(Odrive, MessagesAreDescribedInWords) {
   const DriveText heartbeat = odrive::describe(
       odrive::make_heartbeat(node, {.error = odrive::error_watchdog, .axis_state = odrive::axis_idle}));
   EXPECT_EQ(heartbeat.node, node);
@@ -118,7 +118,7 @@ TEST_F(OdriveLinkTest, ModeThenStateThenTorque) {
   EXPECT_EQ(command(DriveGoal::hold, 0.1), 0x0AEu);
 }
 
-TEST_F(OdriveLinkTest, AsksAgainWhenTheDriveDidNotListen) {
+TEST_F(OdriveLinkTest, RepeatsARequestThatTheDriveIgnored) {
   heartbeat(odrive::axis_idle);
   command(DriveGoal::enable);
   command(DriveGoal::enable);

@@ -167,7 +167,7 @@ TEST(Encoder, DuplicateIsIgnored) {
   EXPECT_EQ(encoder.counters().out_of_order, 1u);
 }
 
-TEST(Encoder, TurnIsTakenAnewAfterAGapLongEnoughForHalfATurn) {
+TEST(Encoder, TurnIsRestartedAfterAGapLongEnoughForHalfATurn) {
   Encoder encoder = make_encoder(turn_of_4096());
   for (int k = 0; k <= 100; ++k) encoder.update(static_cast<std::uint32_t>(k * 45 % 4096), k * ms);
   EXPECT_DOUBLE_EQ(encoder.sample(100 * ms).q, 4.5);

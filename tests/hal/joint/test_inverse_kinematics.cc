@@ -85,7 +85,7 @@ TEST(InverseKinematics, JointRatesReproduceTheTwist) {
   }
 }
 
-TEST(InverseKinematics, UnreachablePoseIsSaidSoWithItsResidual) {
+TEST(InverseKinematics, UnreachablePoseIsReportedWithItsResidual) {
   InverseKinematics ik(test::phantom_arm());
   Pose X;
   X.p = Vec3(0.5, 0, 0);  // 0.92 m from the shoulder, the arm is 0.70 m long

@@ -18,8 +18,8 @@ constexpr std::size_t num_joints = 8;
 
 std::string numbered(const char* stem, std::size_t i) { return std::string(stem).append(std::to_string(i)); }
 
-// Hinges and sliders with oblique axes and frames; branches from a joint, from its child and from the base;
-// handles on leaves and on links with children.
+// Hinges and sliders with oblique axes and frames. There are branches from a joint, from its child and from
+/// the base, and handles on leaves and on links with children.
 KinematicTreeParams oblique_tree() {
   KinematicTreeParams tree;
   tree.X_WB = {Vec3(0.1, -0.2, 0.3), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))};

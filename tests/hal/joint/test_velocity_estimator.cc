@@ -45,7 +45,7 @@ TEST(VelocityEstimator, ZeroAtStandstill) {
   for (int k = 0; k < 40; ++k) EXPECT_EQ(estimator.update(0.37, k * period_ns), 0);
 }
 
-TEST(VelocityEstimator, SettlesToZeroAfterMotion) {
+TEST(VelocityEstimator, ConvergesToZeroAfterMotion) {
   VelocityEstimator estimator(quantum);
   double v = 0;
   for (int k = 0; k < 20; ++k) v = estimator.update(quantised(0.5e-3 * k), k * period_ns);

@@ -233,7 +233,7 @@ TEST_F(RigTest, RefusedSyncIsNotOneThatWentUnanswered) {
   EXPECT_EQ(rig.faults(), RigFault::none);
 }
 
-TEST_F(RigTest, SyncRefusedAgainAndAgainIsAFault) {
+TEST_F(RigTest, SyncRefusedRepeatedlyIsAFault) {
   boot_and_arm();
   bus.full = true;
   rig.sync(now);
@@ -334,7 +334,7 @@ TEST_F(RigTest, TorqueWaitsForADriveThatFollows) {
   EXPECT_EQ(rig.faults(), RigFault::drive_not_enabled);
 }
 
-TEST_F(RigTest, QuickStopIsAskedForUntilTheFaultIsCleared) {
+TEST_F(RigTest, QuickStopIsCommandedUntilTheFaultIsCleared) {
   boot_and_arm();
   F.f = Vec3(0, 0, -0.2);
   cycles(3);

@@ -153,8 +153,8 @@ TEST(Polhemus, InStepAgainAfterALostByte) {
   }
 }
 
-/// A record that is truncated, changed in a bit, left out or sent twice, up to three in a row: at the latest
-/// the second record after them is read.
+/// Up to three records in a row are truncated, changed in a bit, left out or sent twice.
+/// At the latest the second record after them is read.
 TEST(Polhemus, InStepWithinTwoRecordsOfADamagedOne) {
   std::mt19937 random(5);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

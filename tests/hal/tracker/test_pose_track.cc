@@ -95,12 +95,12 @@ Quality measure(const test::Recording& hand, Way& way) {
       way.push(hand.at(t_sample).X_WD, start + std::llround(1e9 * t_sample), now);
       t_sample += 1 / hand.rate_hz;
     }
-    const Target told = way.at(now), truth = hand.at(t);
-    const Vec3 f = force(told), true_f = force(truth);
+    const Target played = way.at(now), truth = hand.at(t);
+    const Vec3 f = force(played), true_f = force(truth);
     if (t > 1) {
       stairs.push_back((f - last).norm());
       true_stair = std::max(true_stair, (true_f - true_last).norm());
-      error_sq += (told.X_WD.p - truth.X_WD.p).squaredNorm();
+      error_sq += (played.X_WD.p - truth.X_WD.p).squaredNorm();
       speed_sq += truth.V_WD.v.squaredNorm();
       low = low.cwiseMin(true_f);
       high = high.cwiseMax(true_f);
@@ -232,7 +232,7 @@ TEST(PoseTrack, ComesToRestThenIsNotValid) {
   EXPECT_EQ(played.target.V_WD.v.norm(), 0);
 }
 
-TEST(PoseTrack, BeginsAnewAfterAGap) {
+TEST(PoseTrack, RestartsAfterAGap) {
   Replay run;
   run.until = start + 1000 * ms;
   for (int i = 0; i < 1500; ++i) static_cast<void>(run.step());

@@ -1,6 +1,5 @@
-// What the oracle solves: rigid bodies, each free or pulled to a moving target, and the joints between them.
-// SI units, world axes W; body frame B with its origin at the centre of mass. Nothing here comes from core,
-// on purpose.
+// Problems of the oracle: rigid bodies, free or coupled to a moving target, and the joints between them.
+// SI units, world axes W; body frame B with its origin at the centre of mass. Independent of core on purpose.
 #pragma once
 
 #include <memory>
@@ -44,8 +43,9 @@ struct Body {
   std::optional<Coupling> coupling;
 };
 
-/// (36) between points of two bodies, or of the world and a body: with the ends x apart, -k (|x| - l_0) u - g (u . x') u
-/// on b; without a rest length -k x - g x'. An anchor of a net, (42), has no rest length either.
+/// A spring (36) between points of two bodies, or of the world and a body. With the ends x apart its force on
+/// b is -k (|x| - l_0) u - g (u . x') u.
+/// Without a rest length it is -k x - g x'. An anchor of a net (42) has no rest length either.
 struct Spring {
   std::optional<std::size_t> a = std::nullopt;  // index in Case::bodies; empty: the world
   std::size_t b = 0;                            // likewise
@@ -54,11 +54,11 @@ struct Spring {
   double k = 0;                                 // N/m, >= 0
   double g = 0;                                 // N s/m, >= 0
   double l_0 = 0;                               // m, >= 0
-  bool is_anchor = false;  // its damper and its force on a are at the point of a that is where b is
+  bool is_anchor = false;  // its damper and its force on a act at the point of a that coincides with b
 };
 
-/// A sphere of a body on the floor z = 0, without friction (22): k d - c v_z upwards where that is positive and d, by which
-/// its lowest point is below the floor, is too.
+/// A sphere of a body on the floor z = 0, without friction (22). Its force is k d - c v_z upwards, if that
+/// and the depth d of its lowest point are positive.
 struct FloorSphere {
   std::size_t body = 0;             // index in Case::bodies
   Vector3d p_B = Vector3d::Zero();  // its centre, m

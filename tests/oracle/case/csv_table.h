@@ -9,8 +9,8 @@ namespace godobject::oracle {
 
 class CsvTable {
  public:
-  /// Reads a file of one header line and rows of numbers. Throws std::runtime_error, with the file and
-  /// line, if it cannot be read, a field is not a number, or a row is longer or shorter than the header.
+  /// Reads a file of one header line and rows of numbers. Throws std::runtime_error with file and line.
+  /// Reasons: it cannot be read, a field is not a number, or a row differs in length from the header.
   explicit CsvTable(const std::filesystem::path& file);
 
   std::size_t num_rows() const { return rows_.size(); }

@@ -67,8 +67,8 @@ std::size_t index_of(const std::string& name, const std::vector<Body>& bodies) {
   return static_cast<std::size_t>(found - bodies.begin());
 }
 
-/// Anchors that are not given are at the origin; "axis" is one vector for both bodies, whose axes are
-/// parallel where the joint's coordinate is zero.
+/// Anchors that are not given are at the origin. "axis" is one vector for both bodies: their axes are
+/// parallel if the joint's coordinate is zero.
 Joint joint_from(const json& description, const std::vector<Body>& bodies) {
   const auto type = description.at("type").get<std::string>();
   const auto child = description.at("child").get<std::string>();

@@ -19,8 +19,8 @@ struct ReferenceCase {
   Solution expected;  // reference.csv, bodies in the order of problem.bodies
 };
 
-/// Throws std::runtime_error for a file that is missing or malformed, and for a case with parts
-/// the oracle does not solve (contact): a reference must not be compared with another problem.
+/// Throws std::runtime_error for a missing or malformed file, and for a case with parts that the oracle
+/// cannot solve (contact). A reference must not be compared with another problem.
 ReferenceCase load_reference_case(const std::filesystem::path& folder);
 
 /// The motion of one body from the columns t, <body>.x y z qw qx qy qz of a motion file.

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder of reference solutions; empty where the shared files are absent.
+/// Returns the folder of reference solutions; empty if the shared files are missing.
 fs::path reference_folder() {
   const char* shared = std::getenv("GODOBJECT_SHARED");
   const fs::path folder =
@@ -25,7 +25,7 @@ fs::path reference_folder() {
   return fs::is_directory(folder) ? folder : fs::path();
 }
 
-/// Largest speeds of a solution, at least 1: what differences of velocities are measured by.
+/// Largest speeds of a solution, at least 1, as scales of velocity differences.
 struct Speeds {
   double v = 1;  // m/s
   double w = 1;  // rad/s
@@ -50,10 +50,10 @@ struct Agreement {
 
 void PrintTo(const Agreement& agreement, std::ostream* stream) { *stream << agreement.name; }
 
-// Two references are themselves off: torque-free ends 1.0e-8 from the exact solution (see
-// TumblingMeetsQuadruplePrecision), heavy-top 4.6e-11 m (see HeavyTopMeetsQuadruplePrecision). The motion of
-// grasper is rounded to 12 digits, 1e-9 in its velocities (see GrasperMeetsItWithTheMotionInClosedForm); its
-// tolerance is what that deserves.
+// Two references have errors themselves: torque-free ends 1.0e-8 from the exact solution (see
+// TumblingMeetsQuadruplePrecision), heavy-top 4.6e-11 m (see HeavyTopMeetsQuadruplePrecision).
+// The motion of grasper is rounded to 12 digits, 1e-9 in its velocities (see
+// GrasperMeetsItWithTheMotionInClosedForm); its tolerance accounts for that.
 constexpr Agreement coupling_step{"coupling-step", 1e-10};
 constexpr Agreement coupling_lissajous{"coupling-lissajous", 1e-10};
 constexpr Agreement torque_free{"torque-free", 1.1e-8};

@@ -17,7 +17,7 @@ namespace godobject::oracle {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// What K may do relative to F.
+/// Freedom of K relative to F.
 enum class JointType {
   fixed,
   ball,         // turn
@@ -55,7 +55,7 @@ struct Joint {
 };
 
 /// Force and torque of a joint on its child, at the child's anchor, in world axes. The parent gets the
-/// opposite force and torque at the same point of space. Of an imposed joint it includes the drive's.
+/// opposite force and torque at the same point of space. With a prescribed coordinate the drive is included.
 struct JointWrench {
   Vector3d f = Vector3d::Zero();    // N
   Vector3d tau = Vector3d::Zero();  // N m

@@ -37,7 +37,7 @@ JointFrame attached(const BodyState& body, const ScalarVector3& anchor_B, const 
   return frame;
 }
 
-/// Carries F along the imposed coordinate: then an imposed joint is a fixed one.
+/// Moves F along the prescribed coordinate, which makes the joint a fixed one.
 void impose(JointType type, const JointCoordinate& x, const BodyState& parent, JointFrame& F) {
   const ScalarVector3 axis = F.axes.col(0);
   const Scalar value = x.value, d1 = x.d1, d2 = x.d2;

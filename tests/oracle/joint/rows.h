@@ -16,7 +16,7 @@ struct JointRows {
 
   Column g;           // error
   Column rate;        // g'
-  Column bias;        // the part of g'' that is not L A: velocity products and the imposed motion
+  Column bias;        // the part of g'' that is not L A: velocity products and the prescribed motion
   Jacobian L_parent;  // columns v, w of the parent (world axes)
   Jacobian L_child;
   bool reversed = false;  // an axis that should point along its partner points away from it, yet g = 0

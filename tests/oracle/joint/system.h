@@ -17,9 +17,9 @@ namespace godobject::oracle {
 /// all joints, in the order of the case.
 class JointSystem {
  public:
-  /// q of every state must be unit. The joints of a tree are independent while they hold. A trial step gone
-  /// astray can break that (a universal joint with parallel axes): multipliers and displacements are then
-  /// NaN, which makes the integrator try a smaller step.
+  /// q of every state must be unit. The joints of a tree are independent while they hold. A bad trial step
+  /// can break that (a universal joint with parallel axes). Multipliers and displacements are then NaN, which
+  /// makes the integrator try a smaller step.
   JointSystem(const Case& problem, Scalar t, const std::vector<BodyState>& states);
 
   const ScalarVector& error() const { return g_; }
@@ -36,7 +36,7 @@ class JointSystem {
   /// order.
   ScalarVector displacement(const ScalarVector& change) const { return correction(solve(change)); }
 
-  /// What lambda does to each child, at the child's anchor.
+  /// Returns the wrench of lambda on each child, at the child's anchor.
   std::vector<JointWrench> wrenches(const ScalarVector& lambda) const;
 
  private:

@@ -1,4 +1,4 @@
-// Joints against closed forms: motions, reactions, and the work of imposed motions.
+// Joints against closed forms: motions, reactions, and the work of prescribed motions.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -126,7 +126,7 @@ TEST(JointReaction, ConicalPendulum) {
 
 TEST(JointReaction, HeavyTopMeetsQuadruplePrecision) {
   // The benchmark of Lie-group integrators at 2 s. Expected: Euler's equations about the fixed point, in body
-  // axes and without a joint, by classic RK4 with a 113-bit mantissa; steps of 2.5 us and 1.25 us agree to
+  // axes and without a joint, by classic RK4 with a 113-bit mantissa. Steps of 2.5 us and 1.25 us agree to
   // 1e-14.
   Case problem{.gravity = {0, 0, -g}, .bodies = {rod(15, 1)}};
   Body& top = problem.bodies[0];
@@ -259,7 +259,7 @@ TEST(ImposedJoint, StepsEndAtItsKnots) {
        .child = 0,
        .imposed = ImposedMotion{.at = bump, .knots = {0.5, 0.502}}},
       {.name = "rail", .type = JointType::slider, .parent = 0, .child = 1, .axis_P = Vector3d(0.6, 0, 0.8)}};
-  // The passenger slides on a rail at angle: it keeps what it had across, s' = -cos(angle) of the lift's.
+  // The passenger slides on a rail at angle: its velocity across is constant, s' = -cos(angle) of the lift's.
   const Solution solution = solve(problem, std::vector{0.6});
   EXPECT_NEAR(solution.states[0][0].p.z(), 1e-3, 1e-14);
   EXPECT_NEAR(solution.states[0][1].p.x(), -0.48e-3, 1e-12);

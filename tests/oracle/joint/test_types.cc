@@ -1,4 +1,4 @@
-// What every type of joint holds, leaves free and does not feed energy into; and the rules of a tree.
+// Constraints, freedoms and energy of every type of joint; and the rules of a tree.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -60,7 +60,7 @@ Case shut(Case problem) {
   return problem;
 }
 
-/// Where the child's anchor and attitude are as seen from the parent's side of the joint.
+/// Pose of the child's anchor and attitude relative to the parent's side of the joint.
 struct JointPose {
   Vector3d d;     // from the parent's anchor, P axes
   Quaterniond q;  // attitude of C in P, less q_PC

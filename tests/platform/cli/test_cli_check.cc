@@ -69,7 +69,7 @@ TEST_F(CliCheck, ResolvesProfilesOnSimulatedBusesToo) {
               "device_profile is 406, but the drive of joint 'turret' is a node of CiA 402");
 }
 
-TEST_F(CliCheck, SaysWhatANetIsAndAsksOfAStep) {
+TEST_F(CliCheck, PrintsANetAndItsRequiredStep) {
   const ProgramResult result = run_program("check sim/scenes/endobag.toml");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   for (const char* text : {"950 of 1536 nodes, 2844 of 9216 springs", "at most 768 contacts of nodes at once",
@@ -156,7 +156,7 @@ TEST_F(CliCheck, AMisspeltMotionColumnIsNamedWithTheRightOne) {
   expect_both(rigid + " --motion " + joints, 2, "column 'shoulder' is missing: is 'sholder' misspelt?");
 }
 
-TEST_F(CliCheck, ABadNodeIdIsToldOnceAsItIsWritten) {
+TEST_F(CliCheck, ABadNodeIdIsReportedOnceAsItIsWritten) {
   const std::string scene = write("id.toml", rigid_with("node_id = 2\n", "node_id = 200\n"));
   const ProgramResult result = run_program("check " + scene);
   EXPECT_EQ(result.exit_code, 2);

@@ -70,7 +70,7 @@ TEST_F(CliDocuments, TheManualPageListsEveryVerbAndOption) {
   EXPECT_GT(num_options, 60u);
 }
 
-TEST_F(CliDocuments, CompletionKnowsVerbsOptionsAndValues) {
+TEST_F(CliDocuments, CompletionHasVerbsOptionsAndValues) {
   if (std::system("bash -c true") != 0) GTEST_SKIP() << "no bash here";
   for_each_verb(app_, "", [&](const std::string& path, const CLI::App& verb) {
     const std::string words = completed("godobject " + path + " ''"),

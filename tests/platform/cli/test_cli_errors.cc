@@ -128,7 +128,7 @@ TEST_F(CliErrors, RunRefusesWhatCheckRefuses) {
   };
   for (const Case& c : {Case{full, full + ": bus can0: worst-case load 1"},
                         Case{stale, stale + ": stale_after is 0.0005, must be at least step (0.001)"},
-                        Case{pushed, "admittance devices run with --bus direct for now"}}) {
+                        Case{pushed, "an admittance device runs only with --bus direct"}}) {
     for (const std::string verb : {"check ", "run --duration 0.1 "}) {
       const ProgramResult result = run_program(verb + c.scene);
       EXPECT_EQ(result.exit_code, 2) << result.output;
@@ -182,7 +182,7 @@ TEST_F(CliErrors, AMotionOutOfTheDevicesReachIsAFault) {
   EXPECT_THAT(result.output, HasSubstr("unreachable"));
 }
 
-TEST_F(CliErrors, AProfileThatIsNotThereIsToldWithItsLine) {
+TEST_F(CliErrors, AMissingProfileIsReportedWithItsLine) {
   std::string text = rigid_with("profile = \"generic-402\"", "profile = \"nosuch\"");
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("nosuch")), '\n');

@@ -79,7 +79,7 @@ TEST_F(CliWatchdog, EveryShippedSceneIsStoppedInTwentyMilliseconds) {
   }
 }
 
-TEST_F(CliWatchdog, AHeartbeatTooSlowForTheProfileIsToldWithTheOneThatDoes) {
+TEST_F(CliWatchdog, AHeartbeatTooSlowForTheProfileIsReportedWithAFastEnoughOne) {
   const ProgramResult result = run_program("check " + scene_with("profile = \"epos4\"\n"));
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, AllOf(HasSubstr("epos4.toml:"), HasSubstr("heartbeat_period = 0.005")));

@@ -1,5 +1,5 @@
-// A feedback that the device cannot display in a stable way: `check` warns, --strict refuses, and the run has
-// a fault within 0.6 s of the first oscillation. Also reasons for the limits of a run.
+// A feedback that the device cannot display in a stable way: `check` warns, and --strict refuses.
+// The run has a fault within 0.6 s of the first oscillation. Also reasons for the limits of a run.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -87,7 +87,7 @@ TEST_F(ForceOscillates, WithoutARigItIsAFaultOfTheRun) {
   EXPECT_EQ(report()["faults"][0]["name"], "force_oscillates");
 }
 
-TEST_F(ForceOscillates, RearmingByItselfDoesNotBeginAnew) {
+TEST_F(ForceOscillates, AutomaticRearmingDoesNotRestartIt) {
   const std::string scene = write("light.toml", desk_scene(heavy_feedback, light_plant));
   const ProgramResult run = run_program("run --rearm auto " + scene + outputs());
   EXPECT_EQ(run.exit_code, 1) << run.output;

@@ -132,7 +132,7 @@ TEST_F(Outputs, ACommandNeedNotBeUtf8) {
 }
 
 /// Printed when they occur, with all details, and also in the report; also on the simulated clock.
-TEST_F(Outputs, FaultsAndRearmingAreTold) {
+TEST_F(Outputs, FaultsAndRearmingAreReported) {
   const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/";
   write("patient-402.toml", read_file(hil + "patient-402.toml"));
   const std::string scene = write("rig.toml", read_file(hil + "rig.toml") + R"(
@@ -167,20 +167,20 @@ at = 0.3
 }
 
 /// Limits from too little to start at all to enough.
-TEST_F(Outputs, OutOfMemoryInSetUpIsSaid) {
+TEST_F(Outputs, OutOfMemoryInSetUpIsReported) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer takes terabytes of addresses";
 #endif
-  bool was_said = false;
+  bool was_reported = false;
   for (int kib = 20'000; kib <= 100'000; kib += 2'000) {
     const ProgramResult result = run_program(std::string(short_run) + " --realtime",
                                              "ulimit -v " + std::to_string(kib) + " && timeout 20 ");
     EXPECT_THAT(result.exit_code, AnyOf(0, 1, 2, 3, 127)) << kib << " KiB: " << result.output;
     EXPECT_THAT(result.output, Not(HasSubstr("terminate called"))) << kib << " KiB";
-    was_said =
-        was_said || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
+    was_reported =
+        was_reported || (result.exit_code == 3 && result.output.find("out of memory") != std::string::npos);
   }
-  EXPECT_TRUE(was_said);
+  EXPECT_TRUE(was_reported);
 }
 
 /// Closed standard descriptors are not reused for a file, which would receive the status lines.

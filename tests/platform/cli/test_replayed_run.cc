@@ -103,7 +103,7 @@ TEST_F(ReplayedRun, ACutRecordIsReplayedUpToTheCut) {
   }
 }
 
-TEST_F(ReplayedRun, WhatCannotBeReplayedIsSaid) {
+TEST_F(ReplayedRun, UnsuitableLogsAreReported) {
   const std::string scene = "sim/scenes/rigid.toml";
   const std::string log = write("other.log", "(1.000000) vcan7 080#\n(1.001000) vcan7 181#0000\n");
   ProgramResult result = replay(scene, "replay:" + log);

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, TraceAsMotion,
 
 class TraceOfOneRun : public ProgramTest {};
 
-TEST_F(TraceOfOneRun, LettingGoAndTheClutchAreReplayed) {
+TEST_F(TraceOfOneRun, ReleaseAndTheClutchAreReplayed) {
   const std::string motion = write("m.csv", "t,tool.engaged,tool.clutch\n0,1,1\n0.5,1,0\n1,0,1\n1.5,1,1\n");
   const std::string run = "run sim/scenes/relative.toml --bus direct --duration 2 --report " + path("r.json");
   EXPECT_EQ(run_program(run + " --motion " + motion + " --trace " + path("a.csv")).exit_code, 0);

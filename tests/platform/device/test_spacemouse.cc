@@ -27,10 +27,10 @@ SceneConfig mouse_scene() {
   return scene;
 }
 
-/// A session led by a SpaceMouse, with a clock of the test's own.
-class Led {
+/// A session with a SpaceMouse as its device, and a clock of the test's own.
+class MouseRun {
  public:
-  explicit Led(SceneConfig config) : scene(std::move(config)) {
+  explicit MouseRun(SceneConfig config) : scene(std::move(config)) {
     now_ns = 1'000 * ms;
     mouse.emplace(scene, []() noexcept { return now_ns; });
     made = make_session(scene, Motion(scene), BusChoice::direct);
@@ -74,16 +74,16 @@ TEST(SpaceMouse, GoesAsFastAsItIsPushed) {
   std::mt19937 random(51);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int draw = 0; draw < 12; ++draw) {
-    Led led(mouse_scene());
-    const SpaceMouseConfig& config = *led.scene.device->spacemouse;
+    MouseRun hand(mouse_scene());
+    const SpaceMouseConfig& config = *hand.scene.device->spacemouse;
     const auto drawn = [&] { return Vec3(unit(random), unit(random), unit(random)); };
     const Vec3 shift = 150 * drawn(), turn = 150 * drawn();
-    led.run(300);
-    const Pose before = led.target();
-    led.pushed = push(shift, turn);
-    led.run(800);
-    led.pushed = push(Vec3::Zero());
-    led.run(300);
+    hand.run(300);
+    const Pose before = hand.target();
+    hand.pushed = push(shift, turn);
+    hand.run(800);
+    hand.pushed = push(Vec3::Zero());
+    hand.run(300);
     const auto speed = [&](double counts, double most) {
       const double whole = std::trunc(counts), beyond = std::max(std::abs(whole) - config.deadband, 0.0);
       return std::copysign(most * beyond / (config.full_scale - config.deadband), whole);
@@ -93,25 +93,25 @@ TEST(SpaceMouse, GoesAsFastAsItIsPushed) {
     const Vec3 w(speed(turn.x(), config.max_turn_rate), speed(turn.y(), config.max_turn_rate),
                  speed(turn.z(), config.max_turn_rate));
     constexpr double time = 0.8, sampling = 0.017;  // s: an event begins and ends up to its period late
-    EXPECT_LT((led.target().p - before.p - time * v).norm(), sampling * v.norm() + 1e-6);
-    const Vec3 phi = to_world(before.q, rotation_error(before.q, led.target().q, Vec3::Zero()).phi_B);
+    EXPECT_LT((hand.target().p - before.p - time * v).norm(), sampling * v.norm() + 1e-6);
+    const Vec3 phi = to_world(before.q, rotation_error(before.q, hand.target().q, Vec3::Zero()).phi_B);
     EXPECT_LT((phi - time * w).norm(), sampling * w.norm() + 1e-6);
-    EXPECT_EQ(led.periods_held, 0);
+    EXPECT_EQ(hand.periods_held, 0);
   }
 }
 
 TEST(SpaceMouse, IsNoFasterThanAllowed) {
-  Led led(mouse_scene());
-  const SpaceMouseConfig& config = *led.scene.device->spacemouse;
-  led.run(100);
-  led.pushed = push(Vec3(90'000, -90'000, 90'000), Vec3(90'000, 90'000, 90'000));
+  MouseRun hand(mouse_scene());
+  const SpaceMouseConfig& config = *hand.scene.device->spacemouse;
+  hand.run(100);
+  hand.pushed = push(Vec3(90'000, -90'000, 90'000), Vec3(90'000, 90'000, 90'000));
   double fastest = 0, fastest_turn = 0;
   for (int i = 0; i < 1000; ++i) {
-    const Pose before = led.target();
-    led.run(1);
-    fastest = std::max(fastest, (led.target().p - before.p).norm() / led.scene.step);
+    const Pose before = hand.target();
+    hand.run(1);
+    fastest = std::max(fastest, (hand.target().p - before.p).norm() / hand.scene.step);
     fastest_turn = std::max(
-        fastest_turn, rotation_error(before.q, led.target().q, Vec3::Zero()).phi_B.norm() / led.scene.step);
+        fastest_turn, rotation_error(before.q, hand.target().q, Vec3::Zero()).phi_B.norm() / hand.scene.step);
   }
   EXPECT_LT(fastest, (1 + 1e-6) * config.max_speed);
   EXPECT_GT(fastest, 0.99 * config.max_speed);
@@ -119,112 +119,112 @@ TEST(SpaceMouse, IsNoFasterThanAllowed) {
 }
 
 TEST(SpaceMouse, SilenceAtRestIsRest) {
-  Led led(mouse_scene());
-  led.pushed = push(Vec3(0, 0, 200));
-  led.run(500);
-  led.mouse->take(push(Vec3::Zero()));
-  led.pushed.reset();
-  led.run(300);
-  led.periods_held = 0;
-  const Pose before = led.target();
-  led.run(5000);
-  EXPECT_EQ(led.periods_held, 0);
-  EXPECT_LT((led.target().p - before.p).norm(), 1e-12);
+  MouseRun hand(mouse_scene());
+  hand.pushed = push(Vec3(0, 0, 200));
+  hand.run(500);
+  hand.mouse->take(push(Vec3::Zero()));
+  hand.pushed.reset();
+  hand.run(300);
+  hand.periods_held = 0;
+  const Pose before = hand.target();
+  hand.run(5000);
+  EXPECT_EQ(hand.periods_held, 0);
+  EXPECT_LT((hand.target().p - before.p).norm(), 1e-12);
 }
 
 TEST(SpaceMouse, SilenceWhileItIsPushedIsStaleAfterThreePeriods) {
-  Led led(mouse_scene());
-  const SpaceMouseConfig& config = *led.scene.device->spacemouse;
-  led.run(100);
-  led.pushed = push(Vec3(0, 0, 350));
-  led.run(500);
-  ASSERT_EQ(led.periods_held, 0);
-  led.pushed.reset();
-  const Pose before = led.target();
-  led.run(1000);
-  EXPECT_GT(led.periods_held, 850);
-  EXPECT_LT((led.target().p - before.p).norm(), config.max_speed * (3 / config.rate_hz + 0.04))
+  MouseRun hand(mouse_scene());
+  const SpaceMouseConfig& config = *hand.scene.device->spacemouse;
+  hand.run(100);
+  hand.pushed = push(Vec3(0, 0, 350));
+  hand.run(500);
+  ASSERT_EQ(hand.periods_held, 0);
+  hand.pushed.reset();
+  const Pose before = hand.target();
+  hand.run(1000);
+  EXPECT_GT(hand.periods_held, 850);
+  EXPECT_LT((hand.target().p - before.p).norm(), config.max_speed * (3 / config.rate_hz + 0.04))
       << "it does not run away";
-  led.periods_held = 0;
-  led.pushed = push(Vec3(0, 0, 350));
-  led.run(1000);
-  EXPECT_LT(led.periods_held, 100) << "it goes on by itself";
+  hand.periods_held = 0;
+  hand.pushed = push(Vec3(0, 0, 350));
+  hand.run(1000);
+  EXPECT_LT(hand.periods_held, 100) << "it goes on by itself";
 }
 
 TEST(SpaceMouse, WithoutItsDaemonTheTargetRests) {
-  Led led(mouse_scene());
-  led.pushed = push(Vec3(0, 0, 350));
-  led.press(0);
-  led.run(300);
-  led.pushed.reset();
-  led.run(100, false);
-  const Pose before = led.target();
-  led.periods_held = 0;
-  led.run(500, false);
-  EXPECT_EQ(led.periods_held, 500);
-  EXPECT_LT((led.target().p - before.p).norm(), 1e-12);
-  led.run(500);
-  led.periods_held = 0;
-  led.pushed = push(Vec3(0, 0, 350));
-  led.run(500);
-  EXPECT_EQ(led.periods_held, 0);
-  EXPECT_GT((led.target().p - before.p).norm(), 0.03) << "the clutch is closed again, too";
+  MouseRun hand(mouse_scene());
+  hand.pushed = push(Vec3(0, 0, 350));
+  hand.press(0);
+  hand.run(300);
+  hand.pushed.reset();
+  hand.run(100, false);
+  const Pose before = hand.target();
+  hand.periods_held = 0;
+  hand.run(500, false);
+  EXPECT_EQ(hand.periods_held, 500);
+  EXPECT_LT((hand.target().p - before.p).norm(), 1e-12);
+  hand.run(500);
+  hand.periods_held = 0;
+  hand.pushed = push(Vec3(0, 0, 350));
+  hand.run(500);
+  EXPECT_EQ(hand.periods_held, 0);
+  EXPECT_GT((hand.target().p - before.p).norm(), 0.03) << "the clutch is closed again, too";
 }
 
 TEST(SpaceMouse, WithItsClutchOpenMovesNothing) {
-  Led led(mouse_scene());
-  led.run(100);
-  led.press(0);
-  led.run(50);
-  const Pose before = led.target();
-  led.pushed = push(Vec3(0, 300, 0));
-  led.run(500);
-  EXPECT_LT((led.target().p - before.p).norm(), 1e-12);
-  led.press(0, false);
-  led.run(500);
-  EXPECT_GT(led.target().p.y() - before.p.y(), 0.03);
+  MouseRun hand(mouse_scene());
+  hand.run(100);
+  hand.press(0);
+  hand.run(50);
+  const Pose before = hand.target();
+  hand.pushed = push(Vec3(0, 300, 0));
+  hand.run(500);
+  EXPECT_LT((hand.target().p - before.p).norm(), 1e-12);
+  hand.press(0, false);
+  hand.run(500);
+  EXPECT_GT(hand.target().p.y() - before.p.y(), 0.03);
 }
 
-TEST(SpaceMouse, TakesHoldOfTheNearestBodyAndLetsGo) {
+TEST(SpaceMouse, GripsTheNearestBodyAndReleasesIt) {
   SceneConfig scene = mouse_scene();
   scene.device->grab_radius = 0.05;
-  Led led(scene);
-  led.pushed = push(Vec3(0, 0, 300));
-  led.run(300);
-  EXPECT_EQ(led.record.held, std::nullopt);
-  led.press(1);
-  led.press(1, false);
-  led.run(300);
-  EXPECT_EQ(led.record.held, 0u);
-  led.run(500);
-  EXPECT_GT(led.record.bodies[0].X_WB.p.z(), 0.03) << "it is carried";
-  led.press(1);
-  led.run(20);
-  EXPECT_EQ(led.record.held, std::nullopt);
+  MouseRun hand(scene);
+  hand.pushed = push(Vec3(0, 0, 300));
+  hand.run(300);
+  EXPECT_EQ(hand.record.held, std::nullopt);
+  hand.press(1);
+  hand.press(1, false);
+  hand.run(300);
+  EXPECT_EQ(hand.record.held, 0u);
+  hand.run(500);
+  EXPECT_GT(hand.record.bodies[0].X_WB.p.z(), 0.03) << "it is carried";
+  hand.press(1);
+  hand.run(20);
+  EXPECT_EQ(hand.record.held, std::nullopt);
 }
 
 TEST(SpaceMouse, TurnsWithItsFrame) {
   SceneConfig scene = mouse_scene();
   scene.device->spacemouse->q_WM = Quat(std::sqrt(0.5), 0, 0, std::sqrt(0.5));  // x to the world's y
-  Led led(scene);
-  led.run(100);
-  led.pushed = push(Vec3(350, 0, 0));
-  led.run(500);
-  EXPECT_GT(led.target().p.y(), 0.04);
-  EXPECT_LT(std::abs(led.target().p.x()), 1e-6);
+  MouseRun hand(scene);
+  hand.run(100);
+  hand.pushed = push(Vec3(350, 0, 0));
+  hand.run(500);
+  EXPECT_GT(hand.target().p.y(), 0.04);
+  EXPECT_LT(std::abs(hand.target().p.x()), 1e-6);
 }
 
 TEST(SpaceMouse, TouchesNeitherHeapNorSystemInTheLoop) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
-  Led led(mouse_scene());
-  led.pushed = push(Vec3(0, 0, 300), Vec3(100, 0, 0));
-  led.run(100);
+  MouseRun hand(mouse_scene());
+  hand.pushed = push(Vec3(0, 0, 300), Vec3(100, 0, 0));
+  hand.run(100);
   AllocationGuard guard;
-  led.run(500);
+  hand.run(500);
   EXPECT_EQ(guard.calls(), 0) << guard.report();
 }
 
-TEST(SpaceMouseKeys, WhatCannotBeIsSaid) {
+TEST(SpaceMouseKeys, InvalidScenesAreReported) {
   using testing::ElementsAre, testing::HasSubstr;
   std::ifstream file(GODOBJECT_SOURCE_DIR "/sim/scenes/spacemouse.toml");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -36,7 +36,7 @@ TEST(BusAddress, EveryKindIsParsedAndMade) {
   }
 }
 
-TEST(BusAddress, WhatIsWrongIsSaid) {
+TEST(BusAddress, ErrorsAreReported) {
   for (const auto& [text, expected] :
        {std::pair{"socketcam:can0", "did you mean 'socketcan'?"},
         {"scan:/dev/ttyACM0", "did you mean 'slcan'?"},

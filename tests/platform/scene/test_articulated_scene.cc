@@ -205,7 +205,7 @@ TEST(ArticulatedScene, BodiesBelowAJointThatIsApartMoveWithIt) {
   EXPECT_LT((loaded.scene->bodies[1].X_WB.p - Vec3(0.2, 0, 0)).norm(), 1e-15);
 }
 
-TEST(ArticulatedScene, ImposedJointsNeedADeviceThatMeasuresThem) {
+TEST(ArticulatedScene, PrescribedJointsNeedADeviceThatMeasuresThem) {
   const std::string tool = body("a", "[body.coupling]\nstiffness = 1\nrotational_stiffness = 1\n") +
                            body("b") + joint("p", "hinge", "world", "a") +
                            joint("q", "hinge", "a", "b", "imposed = true\n");

@@ -58,7 +58,7 @@ void each_drawn(const Check& check) {
     }
 }
 
-TEST(NetSurface, EdgesAreNearlyAsLongAsAskedFor) {
+TEST(NetSurface, EdgesAreNearlyAsLongAsSpecified) {
   each_drawn([](const Drawn& d, const MeshData& surface) {
     for (const SurfaceEdge& e : edges_of(surface)) {
       EXPECT_GT(e.length, 0.75 * *d.net.spacing);
@@ -160,7 +160,7 @@ TEST(NetSurface, AreasOfVerticesAddUp) {
   });
 }
 
-TEST(NetSurface, SpacingThatFitsIsSaid) {
+TEST(NetSurface, SpacingThatFitsIsReported) {
   for (const double spacing : {1e-3, 1e-7, 1e-100, 1e-320}) {
     NetConfig net;
     net.kind = NetKind::capsule;

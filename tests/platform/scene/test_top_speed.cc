@@ -85,7 +85,7 @@ TEST(TopSpeed, IsThatOfTheThinnestPair) {
   EXPECT_NEAR(top_speed(scene)->travel, (r + 0.001) / 1e-3, 1e-9);
 }
 
-TEST(TopSpeed, OfAnImposedBodyIsItsTravelAgainstWhatItCanPush) {
+TEST(TopSpeed, OfAPrescribedBodyIsItsTravelAgainstBodiesThatItCanPush) {
   SceneConfig scene = sphere_and_wall(2e4);
   scene.bodies[0].coupling = CouplingConfig{.stiffness = 1e3};
   scene.coupling = CouplingMode::imposed;
@@ -131,7 +131,7 @@ TEST(TopSpeed, OfBoxesOnTwoBodiesIsThatOfTheirEdges) {
   EXPECT_NEAR(soft.top(), 0.002 * std::sqrt(1e3 / 0.075), 1e-9);
 }
 
-TEST(TopSpeed, OfAMeshKnowsItsThinnestPlace) {
+TEST(TopSpeed, OfAMeshUsesItsThinnestPlace) {
   MeshData slab;
   for (int i = 0; i < 8; ++i)
     slab.vertices.emplace_back(i & 1 ? 0.01 : 0.0, i & 2 ? 1.0 : 0.0, i & 4 ? 1.0 : 0.0);

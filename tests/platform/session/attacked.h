@@ -71,7 +71,7 @@ inline double fastest(const CycleRecord& r, double lever = 0.03) {
 /// Energy of a scene without a drive.
 struct Course {
   double first = 0, gain = 0, moving = 0, drift = 0;  // J, J above the first, largest kinetic energy J, m
-  bool told = false;                                  // energy_gained
+  bool energy_gained = false;
   Fault fault = Fault::none;
   double gained() const { return gain / std::max(moving, 1e-9); }
 };
@@ -85,7 +85,7 @@ inline Course course_of(const SceneConfig& scene, double seconds) {
     c.gain = std::max(c.gain, r.energy.total - c.first);
     c.moving = std::max(c.moving, kinetic_energy(scene, r));
     c.drift = std::max(c.drift, joint_drift(scene, r));
-    c.told |= has(r.fault, Fault::energy_gained);
+    c.energy_gained |= has(r.fault, Fault::energy_gained);
     c.fault |= r.fault;
   });
   return c;

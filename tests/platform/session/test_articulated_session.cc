@@ -95,7 +95,7 @@ TEST(ArticulatedSession, JointCarriesTheWeight) {
   EXPECT_LT(record.bodies[0].joint_C.tau.norm(), 1e-12);
 }
 
-TEST(ArticulatedSession, ImposedJawsAreWhereTheDeviceHasThem) {
+TEST(ArticulatedSession, PrescribedJawsFollowTheDevice) {
   const SceneConfig scene = load_shipped("scissors-imposed.toml");
   const Motion motion(scene);
   for (const BusChoice bus : {BusChoice::direct, BusChoice::sim}) {
@@ -122,7 +122,7 @@ TEST(ArticulatedSession, ImposedJawsAreWhereTheDeviceHasThem) {
 }
 
 /// Turns of joints and devices are counted: a prescribed joint follows the device beyond half a turn.
-TEST(ArticulatedSession, ImposedTurnGoesOnBeyondHalfATurn) {
+TEST(ArticulatedSession, PrescribedTurnGoesOnBeyondHalfATurn) {
   SceneConfig scene = load_shipped("scissors-imposed.toml");
   scene.device->limits.ramp = 0;
   const MotionResult motion = Motion::parse(
@@ -233,7 +233,7 @@ TEST(ArticulatedSession, AnInstrumentWithoutBusesIsMovedByItsJoints) {
   }
 }
 
-TEST(ArticulatedSession, ImposedJointNeedsAMotionOfJoints) {
+TEST(ArticulatedSession, PrescribedJointNeedsAMotionOfJoints) {
   SceneConfig scene = load_shipped("scissors-imposed.toml");
   scene.motion.reset();
   const Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);

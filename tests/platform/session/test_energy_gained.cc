@@ -13,24 +13,24 @@ namespace godobject::test_energy_gained {
 namespace {
 
 /// Energy results of a run without a bus.
-struct Told {
+struct EnergyResult {
   double share = 0;    // of the energy at work, in the window of the watch
   bool fault = false;  // energy_gained
 };
 
-Told run(const SceneConfig& scene, double seconds) {
+EnergyResult run(const SceneConfig& scene, double seconds) {
   Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
   EXPECT_TRUE(made.session) << made.errors.front();
-  Told told;
-  if (!made.session) return told;
+  EnergyResult result;
+  if (!made.session) return result;
   CycleRecord record = made.session->at_start();
   while (record.t < seconds - scene.step / 2) {
     made.session->cycle(record);
     const EnergyReport& E = record.energy;
-    if (E.gained > gain_floor) told.share = std::max(told.share, E.gained / E.at_work);
-    told.fault = told.fault || has(record.fault, Fault::energy_gained);
+    if (E.gained > gain_floor) result.share = std::max(result.share, E.gained / E.at_work);
+    result.fault = result.fault || has(record.fault, Fault::energy_gained);
   }
-  return told;
+  return result;
 }
 
 TEST(EnergyGained, NotByAnyShippedOrReferenceScene) {
@@ -39,9 +39,9 @@ TEST(EnergyGained, NotByAnyShippedOrReferenceScene) {
       if (file.path().extension() != ".toml") continue;
       const LoadResult loaded = load_scene(file.path().string());
       ASSERT_TRUE(loaded.scene) << file.path();
-      const Told told = run(*loaded.scene, 4);
-      std::printf("%s: %.2g of the energy at work\n", file.path().stem().c_str(), told.share);
-      EXPECT_FALSE(told.fault) << file.path();
+      const EnergyResult result = run(*loaded.scene, 4);
+      std::printf("%s: %.2g of the energy at work\n", file.path().stem().c_str(), result.share);
+      EXPECT_FALSE(result.fault) << file.path();
     }
   }
 }

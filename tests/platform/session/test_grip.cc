@@ -199,7 +199,7 @@ TEST_P(ScriptedHolds, OneBodyIsDrivenAtATime) {
 }
 
 /// The displayed wrench is about the hand, though the brick is 0.1 m off.
-TEST_P(ScriptedHolds, TheHandFeelsTheHeldBodyAboutItsOwnOrigin) {
+TEST_P(ScriptedHolds, TheDisplayedWrenchIsAboutTheOriginOfTheHand) {
   const SceneConfig s = scene("holds = \"green\"\n");
   const std::unique_ptr<Session> session = session_of(s, Motion(s));
   CycleRecord record = session->at_start();

@@ -114,7 +114,7 @@ TEST_P(NetScenes, EndobagIsDrawnRoundTheBarAndTheDeviceIsInside) {
   EXPECT_LT(deepest, 2e-3);
 }
 
-TEST_P(NetScenes, TheGrasperDragsTheSheetAndLetsGoOfIt) {
+TEST_P(NetScenes, TheGrasperDragsTheSheetAndReleasesIt) {
   SceneRun run("organ-soft.toml", GetParam(), "organ-soft-motion.csv");
   run.until(1.8);
   const auto most = [&] { return std::ranges::max(run.moved()); };

@@ -11,7 +11,7 @@ namespace {
 
 struct Felt {
   double force = 0, torque = 0;  // largest displayed at a body, N and N m, after the first second
-  double later_torque = 0;       // the same in cycles with no gap in the last settled_s, N m
+  double later_torque = 0;       // the same in cycles with no gap in the last transient_s, N m
   double change = 0;             // of a force in a step, N
   RigFault faults = RigFault::none;
   int held = 0;  // cycles
@@ -19,7 +19,7 @@ struct Felt {
 
 /// Time after which the transient of a gap is over, s: the force has faded in again and the tool is at its
 /// target.
-constexpr double settled_s = 0.3;
+constexpr double transient_s = 0.3;
 
 SceneConfig scene_of(const char* name) {
   LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + name);
@@ -41,7 +41,7 @@ Felt feel(const SceneConfig& scene) {
       ++felt.held;
       t_held = now.t;
     }
-    double& torque = now.t < t_held + settled_s ? felt.torque : felt.later_torque;
+    double& torque = now.t < t_held + transient_s ? felt.torque : felt.later_torque;
     for (std::size_t i = 0; i < now.bodies.size() && t > 1; ++i) {
       const Wrench &F = now.bodies[i].feedback_D, &last = before.bodies[i].feedback_D;
       felt.force = std::max(felt.force, F.f.norm());

@@ -77,7 +77,7 @@ using SessionClutch = SessionSwitches;
 using SessionShutDown = SessionSwitches;
 
 /// Expects a step by the previous velocity. The position is exact; the attitude differs by the gyroscopic
-/// torque, which changes the angular velocity of a body of revolution by less than w^2 per second.
+/// torque. That changes the angular velocity of a body of revolution by less than w^2 per second.
 void expect_moved_freely(const BodyView& before, const BodyView& after, double h) {
   const double w_sq = before.V_WB.w.squaredNorm();
   const Quat q = exp_so3(h * before.V_WB.w) * before.X_WB.q;
@@ -118,7 +118,7 @@ TEST_P(SessionEngage, NeverMovesTheBodyNorJumpsTheForce) {
 }
 
 /// The body stops following when released, and follows again when gripped.
-TEST_P(SessionFollow, LetsGoAndFollowsAgain) {
+TEST_P(SessionFollow, ReleasesAndFollowsAgain) {
   const Flips engaged{{1000, 1300}};
   const std::unique_ptr<Session> s = session(engaged.csv("tool.engaged", h()));
   CycleRecord record;

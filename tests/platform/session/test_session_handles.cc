@@ -118,7 +118,7 @@ TEST(SessionHandles, AHandleOfABodyThatIsNotThereIsRefused) {
   SceneConfig scene = shaft_and_blade();
   scene.device->rig->tree.handles[1].body = "jaw";
   EXPECT_THAT(make_session(scene, both_joints(scene), BusChoice::sim).errors,
-              ElementsAre(HasSubstr("handle of body 'jaw': the scene has no such coupled body")));
+              ElementsAre(HasSubstr("handle of body 'jaw': the scene has no coupled body of this name")));
 }
 
 }  // namespace

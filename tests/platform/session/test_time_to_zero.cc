@@ -184,7 +184,7 @@ TEST(TimeToZero, TheHostsOwnCycleNeverTripsIt) {
   EXPECT_EQ(host.device.motor_torque(), 0);
 }
 
-TEST(MissingWatchdogs, AreToldWithTheDriveAndWhatToAdd) {
+TEST(MissingWatchdogs, AreReportedWithTheDriveAndTheRemedy) {
   const auto lines = [](const SceneConfig& scene) {
     return missing_watchdogs(*scene.device->rig, test::profiles_of(scene));
   };

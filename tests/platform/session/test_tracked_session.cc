@@ -110,7 +110,7 @@ TEST(TrackedSession, ReachesNoBodyWithoutATracker) {
   EXPECT_THAT(made.errors[0], HasSubstr("--tracker polaris=PORT"));
 }
 
-TEST(TrackedSession, DirectKnowsNoTracker) {
+TEST(TrackedSession, DirectHasNoTracker) {
   const SceneConfig scene = tracked_scene();
   const Session::Made made = make_session(scene, Motion(scene), BusChoice::direct);
   ASSERT_TRUE(made.session);

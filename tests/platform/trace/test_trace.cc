@@ -75,7 +75,7 @@ TEST(Trace, ScenesWithContactsHaveTheirColumns) {
   EXPECT_EQ(at("contact_residual"), 1e-7);
 }
 
-TEST(Trace, ADeviceThatTakesHoldHasItsColumns) {
+TEST(Trace, ADeviceThatGripsBodiesHasItsColumns) {
   SceneConfig scene = coupled_and_free();
   scene.device = DeviceConfig{.name = "hand", .holds = "tool", .limits = {}, .rig = {}, .plant = {}};
   ASSERT_TRUE(grips_bodies(scene));

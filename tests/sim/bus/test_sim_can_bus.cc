@@ -393,7 +393,7 @@ TEST(SimCanBus, LostFrameIsMissedByOneReceiverOnly) {
   EXPECT_EQ(bus.ports[0].counters().error_frames, 0u);
 }
 
-TEST(SimCanBus, LossHappensAsOftenAsAsked) {
+TEST(SimCanBus, LossHasTheSpecifiedProbability) {
   Bus bus(2);
   bus.ports[1].set_loss_probability(0.1);
   ReceivedFrame received;

@@ -58,7 +58,7 @@ TEST(FaultInjector, StuckSensorShowsWhereItWas) {
   EXPECT_NE(device.link.rig().joints().q[0], q);
 }
 
-TEST(SensorsDisagree, AStuckEncoderIsToldFromAJointAtRestByTheDriveOnIt) {
+TEST(SensorsDisagree, AStuckEncoderIsDistinguishedFromAJointAtRestByItsDrive) {
   SceneConfig scene = test::two_joints();
   for (DriveParams& drive : scene.device->rig->drives) drive.max_slip = 0.01;
   test::FaultyRig device(scene);

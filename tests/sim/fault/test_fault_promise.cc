@@ -1,5 +1,5 @@
-// The table of docs/faults.md, executed: each verb causes the promised faults and no others within the
-// documented time, with the motors at zero in time.
+// The table of docs/faults.md, executed: each verb causes the promised faults and no others.
+// They occur within the documented time, and the motors are at zero in time.
 #include "sim/fault/promise.h"
 
 #include <gmock/gmock.h>

@@ -60,11 +60,11 @@ TEST(FaultTarget, TakesTheVerbsOwnValueWhereNoneIsGiven) {
 
 TEST(FaultTarget, SaysWhatIsWrong) {
   EXPECT_THAT(complaint("dorp"), HasSubstr("unknown verb 'dorp'"));
-  EXPECT_THAT(complaint("drop bus=can7"), HasSubstr("no bus 'can7'"));
+  EXPECT_THAT(complaint("drop bus=can7"), HasSubstr("unknown bus 'can7'"));
   EXPECT_THAT(complaint("drop bus=can0 node=9"), HasSubstr("no node 9"));
   EXPECT_THAT(complaint("stuck node=1"), HasSubstr("more than one bus"));
   EXPECT_THAT(complaint("stuck bus=can0"), HasSubstr("one node"));
-  EXPECT_THAT(complaint("drop value=1.5"), HasSubstr("not from 0.0 to 1.0"));
+  EXPECT_THAT(complaint("drop value=1.5"), HasSubstr("must be from 0.0 to 1.0"));
   EXPECT_THAT(complaint("drop value=much"), HasSubstr("must be a number"));
   EXPECT_THAT(complaint("drop node=0"), HasSubstr("out of range"));
   EXPECT_THAT(complaint("drop can0"), HasSubstr("key=value"));

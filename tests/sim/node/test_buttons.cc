@@ -25,7 +25,7 @@ std::unique_ptr<Session> session_of(const SceneConfig& scene, const std::string&
   return std::move(made.session);
 }
 
-TEST(Buttons, EveryPressTakesHoldOrLetsGo) {
+TEST(Buttons, EveryPressGripsOrReleases) {
   for (const bool active_low : {false, true}) {
     SceneConfig scene = scene_with({.node_id = 40, .bit = 5, .active_low = active_low});
     scene.device->grab_radius = 1;

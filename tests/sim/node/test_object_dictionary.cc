@@ -190,7 +190,7 @@ TEST_F(Network, MappingChangesOnlyWhileThePdoIsOffAndEmpty) {
   EXPECT_EQ(write(drive_id, {0x1600, 0}, ObjectType::u8, 0), AbortCode::unsupported_access);
 }
 
-TEST_F(Network, DriveSendsWhatIsMappedWhenItIsAskedTo) {
+TEST_F(Network, DriveSendsMappedObjectsOnRequest) {
   ASSERT_EQ(write(drive_id, {0x1800, 1}, ObjectType::u32, off | 0x185), AbortCode::none);
   ASSERT_EQ(write(drive_id, {0x1A00, 0}, ObjectType::u8, 0), AbortCode::none);
   ASSERT_EQ(write(drive_id, {0x1A00, 1}, ObjectType::u32, 0x60610008), AbortCode::none);

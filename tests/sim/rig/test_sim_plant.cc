@@ -37,7 +37,7 @@ TEST(SimPlant, ConstantTorqueDeflectsTheHandByTorqueOverStiffness) {
   EXPECT_NEAR(plant.hand_torque()(0), -0.4, 1e-7);
 }
 
-TEST(SimPlant, FrictionHoldsBelowBreakawayAndGivesWayAbove) {
+TEST(SimPlant, FrictionHoldsBelowBreakawayAndYieldsAbove) {
   PlantConfig config;
   config.friction = 0.1;
   config.hand_stiffness = 0;

@@ -1,5 +1,5 @@
 // S6: a tube of springs on a coupled body, pressed on a bar and withdrawn, with any number of nodes. More
-// nodes form a larger tube of the same material or, with less spacing, a finer one: mass and anchors are per
+// nodes form a larger tube of the same material or, with less spacing, a finer one. Mass and anchors are per
 // area, spring stiffness is constant.
 #pragma once
 

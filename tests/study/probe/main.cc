@@ -1,10 +1,11 @@
 // godobject_probe, godobject_quick_probe: runs steps of one composition under callgrind.
 //   godobject_probe COMPOSITION STEPS MOTION     runs, e.g. godobject_probe "haptic-1 tr-bdf2" 500 s1
 //   godobject_probe                              lists name,params,state,scratch (bytes) of every composition
-// Motions: s1, s1-full (as many bodies as fit), s3, s5 (as many links as fit), pair-<kind of joint>,
-// pair-free. Each also exists as <motion>-slow, smaller and slower, with the same number of instructions if
-// they do not depend on the data. With contacts: s2, s2-smooth (without friction) and s4, run to full contact
-// before the requested steps; with a net: s6.
+//
+// Motions without contacts: s1, s1-full (as many bodies as fit), s3, s5 (as many links as fit), pair-free and
+// pair-<kind of joint>. Each also exists as <motion>-slow, smaller and slower, with the same number of
+// instructions if they do not depend on the data. With contacts: s2, s2-smooth (without friction) and s4, run
+// to full contact before the requested steps; with a net: s6.
 #include <cstdlib>
 #include <iostream>
 #include <optional>

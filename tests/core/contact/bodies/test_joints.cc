@@ -192,9 +192,9 @@ TYPED_TEST(TouchingJointsOf, ImposedJawsCloseOnABrick) {
     grip->par.bodies[jaw].coupling = {};
     grip->par.bodies[jaw].joint.motion.prescribed = true;
   }
-  constexpr Real closed = 2e-3;
+  constexpr Real approach = 2e-3;
   for (int n = 0; n < 500; ++n) {
-    const Real q = closed * std::min(n / 200.0, 1.0);
+    const Real q = approach * std::min(n / 200.0, 1.0);
     grip->in.joints[1].q[0] = -q;
     grip->in.joints[2].q[0] = q;
     grip->step();
@@ -204,7 +204,7 @@ TYPED_TEST(TouchingJointsOf, ImposedJawsCloseOnABrick) {
   EXPECT_NEAR(F.z(), brick_mass * earth_gravity, 1e-4);
   for (const std::size_t jaw : {1, 2}) {
     const Real q = HingeJoint::coordinates(joint_of(grip->par, grip->x, jaw).X)[0];
-    EXPECT_NEAR(q, jaw == 1 ? -closed : closed, 1e-7);
+    EXPECT_NEAR(q, jaw == 1 ? -approach : approach, 1e-7);
   }
 }
 

@@ -230,10 +230,10 @@ TEST(TouchingLaws, AGripLiftsABrick) {
   // 0.2 N each against a weight of 0.025 N, then up by 5 cm
   Vec3 lifted = Vec3::Zero();
   for (int n = 1; n <= 1600; ++n) {
-    const Real closed = std::min(n / 200.0, 1.0), up = 0.05 * std::clamp((n - 300) / 300.0, 0.0, 1.0);
+    const Real approach = std::min(n / 200.0, 1.0), up = 0.05 * std::clamp((n - 300) / 300.0, 0.0, 1.0);
     for (const int j : {0, 1})
       pile->lead_to(jaws[static_cast<std::size_t>(j)],
-                    Vec3(0, (j == 0 ? -1 : 1) * (apart + 5e-4 - 7e-4 * closed), 0.007 + up));
+                    Vec3(0, (j == 0 ? -1 : 1) * (apart + 5e-4 - 7e-4 * approach), 0.007 + up));
     pile->step();
     ASSERT_FALSE(any(pile->out.fault));
     if (n == 800) lifted = pile->p(gripped);

@@ -1,4 +1,4 @@
-// Prescribed joints of the scene: they follow the device's joints of the same names.
+// Samples of the prescribed joints of the scene, which follow the device's joints of the same names.
 #pragma once
 
 #include <array>
@@ -11,17 +11,17 @@
 
 namespace godobject {
 
-class LedJoints {
+class PrescribedSamples {
  public:
-  LedJoints() = default;
+  PrescribedSamples() = default;
   /// Allocates; the other functions do not. scene: each coordinate of its prescribed joints must be a joint
   /// of the device's rig.
-  explicit LedJoints(const SceneConfig& scene);
+  explicit PrescribedSamples(const SceneConfig& scene);
 
   /// Writes the device's coordinates into the samples of the joints' children. valid: true if the device's
   /// sample is valid.
   /// A joint is engaged with its body's handle, or else with the first driven body's.
-  void lead(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
+  void write(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
 
  private:
   struct Joint {

@@ -1,25 +1,26 @@
-#include "platform/device/led_joints.h"
+#include "platform/device/prescribed_samples.h"
 
 #include <algorithm>
 
 namespace godobject {
 
-LedJoints::LedJoints(const SceneConfig& scene) {
+PrescribedSamples::PrescribedSamples(const SceneConfig& scene) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   if (!driven.empty()) first_driven_ = driven.front();
   for (const JointConfig& joint : scene.joints) {
     if (!joint.imposed) continue;
     const std::vector<DeviceJoint>& device = device_tree(scene)->joints;
-    Joint led{.body = *body_named(scene, joint.child), .num_coordinates = joint.coordinates.size()};
-    led.driven = scene.bodies[led.body].coupling.has_value();
-    for (std::size_t i = 0; i < led.num_coordinates; ++i)
-      led.device_joints[i] =
+    Joint prescribed{.body = *body_named(scene, joint.child), .num_coordinates = joint.coordinates.size()};
+    prescribed.driven = scene.bodies[prescribed.body].coupling.has_value();
+    for (std::size_t i = 0; i < prescribed.num_coordinates; ++i)
+      prescribed.device_joints[i] =
           std::ranges::find(device, joint.coordinates[i], &DeviceJoint::name) - device.begin();
-    joints_.push_back(led);
+    joints_.push_back(prescribed);
   }
 }
 
-void LedJoints::lead(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept {
+void PrescribedSamples::write(const JointTarget& device, bool valid,
+                              std::span<BodySample> samples) const noexcept {
   for (const Joint& joint : joints_) {
     BodySample& sample = samples[joint.body];
     sample.valid = valid;
