@@ -11,11 +11,38 @@ inline Real kinetic_energy(const RigidBodyParams& par, const RigidBodyState& x) 
   return Real(0.5) * (par.m * x.v_W.squaredNorm() + x.w_B.dot(par.I_B * x.w_B));
 }
 
+/// Motions of a state.
+template <class S>
+struct MotionsOfState {
+  const State<S>& x;
+
+  const RigidBodyState& body(std::size_t i) const noexcept { return x.bodies[i].x; }
+  const Vec3& node(std::size_t j) const noexcept { return x.nodes[j].v_W; }
+  const Vec3& net_node(std::size_t n) const noexcept { return x.net.nodes[n].v_W; }
+};
+
+/// Computes the kinetic energy of a scene, J. motions: MotionsOfState, or those at another time.
+template <Scene S, class Motions>
+Real kinetic_energy_of(const Params<S>& par, const Motions& motions) noexcept {
+  Real T = 0;
+  for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, motions.body(i));
+  if constexpr (uses<NodesOf<S>>)
+    for (std::size_t j = 0; j < num_nodes(par); ++j)
+      T += Real(0.5) * par.nodes.list[j].m * motions.node(j).squaredNorm();
+  if constexpr (uses<NetOf<S>>) {
+    Real of_nets = 0;
+    for (std::size_t n = 0; n < num_net_nodes(par); ++n)
+      of_nets += Real(0.5) * par.net.nodes[n].m * motions.net_node(n).squaredNorm();
+    T += of_nets;
+  }
+  return T;
+}
+
 /// State of a body's coupling at the end of the last step.
 struct CouplingAt {
-  SpringParams spring;  // during the ramp
-  Wrench F_WB;          // (2)
-  Real energy = 0;      // in its spring
+  SpringParams spring;  // gains during the ramp
+  Wrench F_WB;          // wrench (2)
+  Real energy = 0;      // energy in its spring, J
 };
 template <Scene S>
 CouplingAt coupling_at(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {

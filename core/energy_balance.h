@@ -52,7 +52,7 @@ class EnergyBalance {
       U += now.energy;
       last_[i] = now;
       if constexpr (uses<typename S::Device>) {
-        const Wrench& F_WB = w.pulls[i].F_WB;
+        const Wrench& F_WB = w.coupling_inputs[i].F_WB;
         const Real power = F_WB.f.dot(body.v_W) + F_WB.tau.dot(to_world(body.X_WB.q, body.w_B)),
                    before = std::exchange(hand_[i], power);
         // implicit Euler moves by the force at the end, TR-BDF2 by those of the whole step
@@ -60,7 +60,7 @@ class EnergyBalance {
       }
       if constexpr (prescribes<S>) W += joint_work(par, x, i);
     }
-    Real may_give = 0;  // that is not known of this step, at most
+    Real may_give = 0;  // bound of work that is unknown in this step, J
     if constexpr (uses<ContactsOf<S>>) {
       const Springs springs = contact_springs(par, x, w);
       U += springs.energy;
@@ -75,8 +75,7 @@ class EnergyBalance {
     const Real by_gravity = gravity - gravity_;
     gravity_ = gravity;
     energy_ = T + U;
-    if (std::isfinite(W))
-      work_ += W;  // a step that is out of all bounds leaves the later ones their reference
+    if (std::isfinite(W)) work_ += W;  // keeps the reference finite after a step out of all bounds
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
                    floor + gain_rounding * std::abs(energy_), par.h);
   }
@@ -93,22 +92,16 @@ class EnergyBalance {
   }
 
   static Real kinetic(const Params<S>& par, const State<S>& x) noexcept {
-    Real T = 0;
-    for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, x.bodies[i].x);
-    if constexpr (uses<NodesOf<S>>)
-      for (std::size_t j = 0; j < num_nodes(par); ++j)
-        T += Real(0.5) * par.nodes.list[j].m * x.nodes[j].v_W.squaredNorm();
-    if constexpr (uses<NetOf<S>>) T += net_kinetic_energy(par, x);
-    return T;
+    return kinetic_energy_of(par, MotionsOfState<S>{x});
   }
 
  private:
   /// A body and its coupling at the end of a step.
   struct Coupled : CouplingAt {
-    bool pulls = false;  // it has a coupling
+    bool pulls = false;  // true if it has a coupling
     Pose X_WB;
     Target target;
-    Real s = 0;  // of the ramp
+    Real s = 0;  // s of the ramp
   };
 
   static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
@@ -166,7 +159,7 @@ class EnergyBalance {
       };
       Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
       W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
-      if (w.pulls[i].fresh || !(now.s > 0)) return W;
+      if (w.coupling_inputs[i].fresh || !(now.s > 0)) return W;
       // or both together, by the mean of the forces
       const Wrench &F = now.F_WB, &F_0 = last.F_WB;
       const Real share = last.s / now.s;
@@ -233,7 +226,7 @@ class EnergyBalance {
   /// Energy stored in contact springs, J.
   struct Springs {
     Real energy = 0;
-    Real may_find = 0;  // (35)  by as much as they may be found deeper in a stage
+    Real may_find = 0;  // (35)  bound of energy that deeper contacts may add in a stage, J
     Real floor = 0;     // part of it that may be stored without any motion pressing the springs
   };
 

@@ -44,20 +44,15 @@ class Whole {
   Vec3 c_W_;
 };
 
-/// Kinetic energy at the end of the step, J.
-template <Scene S>
-Real kinetic_energy_after(const Params<S>& par, const Scratch<S>& w) noexcept {
-  Real T = 0;
-  for (std::size_t i = 0; i < num_bodies(par); ++i)
-    T += kinetic_energy(par.bodies[i].body, lane(w.next[i / lanes<S>].x, i % lanes<S>));
-  if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j)
-      T += Real(0.5) * par.nodes.list[j].m * w.nodes.next[j].v_W.squaredNorm();
-  if constexpr (uses<NetOf<S>>)
-    for (std::size_t n = 0; n < num_net_nodes(par); ++n)
-      T += Real(0.5) * par.net.nodes[n].m * w.net.next[n].v_W.squaredNorm();
-  return T;
-}
+/// Motions at the end of the step.
+template <class S>
+struct NextMotions {
+  const Scratch<S>& w;
+
+  RigidBodyState body(std::size_t i) const noexcept { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }
+  const Vec3& node(std::size_t j) const noexcept { return w.nodes.next[j].v_W; }
+  const Vec3& net_node(std::size_t n) const noexcept { return w.net.next[n].v_W; }
+};
 
 /// (58)  W of the coupling and of the applied wrench of body i, J.
 template <Scene S>
@@ -68,7 +63,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
   if constexpr (uses<typename S::Coupling>) {
     const SpringParams& spring = par.bodies[i].coupling;
     const Pose& X_WB = x.bodies[i].x.X_WB;
-    const Target &from = w.pulls[i].from, &to = w.pulls[i].to;
+    const Target &from = w.coupling_inputs[i].from, &to = w.coupling_inputs[i].to;
     if (pulls(spring)) {
       // the cubic (15) of TR-BDF2 swings out beyond both ends by what their velocities are
       const auto angle = [](const Quat& a, const Quat& b) noexcept {
@@ -84,7 +79,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
   }
   if constexpr (uses<typename S::Device>) {
     const RigidBodyParams& body = par.bodies[i].body;
-    const Wrench F = w.pulls[i].F_WB;
+    const Wrench F = w.coupling_inputs[i].F_WB;
     const Real least_I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
     W += Real(0.5) * par.h * par.h * (F.f.squaredNorm() / body.m + F.tau.squaredNorm() / least_I);
   }
@@ -156,7 +151,7 @@ template <Scene S>
 /// True if the step is to be refused by (58). Motion that has grown little needs no look at springs and work.
 template <Scene S>
 bool rises_out_of_measure(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
-  const Real T = EnergyBalance<S>::kinetic(par, x), T_after = kinetic_energy_after(par, w);
+  const Real T = EnergyBalance<S>::kinetic(par, x), T_after = kinetic_energy_of(par, NextMotions<S>{w});
   if (T_after <= max_rise * (T + gain_floor)) return false;
   return rises_out_of_measure(par, x, w, T, T_after);
 }

@@ -23,19 +23,18 @@ enum class Fault : std::uint32_t {
 /// Limit bits: bounds that were active in this step.
 enum class Limited : std::uint32_t {
   none = 0,
-  force = 1u << 0,        // feedback force at its limit
-  torque = 1u << 1,       // feedback torque at its limit
-  force_rate = 1u << 2,   // feedback force changes as fast as allowed
-  torque_rate = 1u << 3,  // feedback torque changes as fast as allowed
-  ramp = 1u << 4,         // coupling and feedback still rising after engaging
-  held = 1u << 5,         // no valid sample: the target rests where it was last seen
-  first_order =
-      1u << 6,  // TR-BDF2 has taken implicit Euler stages: a body turns too far, or forces have jumped
-  contact_residual =
-      1u << 7,           // a contact's force misses its law by more than doubtful_residual of the largest
-  newton_cap = 1u << 8,  // Newton's method over the modes of contacts (29) was stopped before it converged
-  substeps = 1u << 9,    // a stage was subdivided, since joints did not hold in one piece (39)
-  net_cap = 1u << 10,    // the iteration of nets was stopped at max_iterations, before its tolerance
+  force = 1u << 0,             // feedback force at its limit
+  torque = 1u << 1,            // feedback torque at its limit
+  force_rate = 1u << 2,        // feedback force changes as fast as allowed
+  torque_rate = 1u << 3,       // feedback torque changes as fast as allowed
+  ramp = 1u << 4,              // coupling and feedback still rising after engaging
+  held = 1u << 5,              // no valid sample: the target rests at the last one
+  first_order = 1u << 6,       // TR-BDF2 took implicit Euler stages: a body rotated too far, or forces jumped
+  contact_residual = 1u << 7,  // a contact force deviates from its law by more than doubtful_residual of the
+                               // largest one
+  newton_cap = 1u << 8,  // Newton's method over the modes of contacts (29) was cut off before it converged
+  substeps = 1u << 9,    // a stage was subdivided, because joints did not hold in one piece (39)
+  net_cap = 1u << 10,    // the iteration of nets was cut off at max_iterations, before its tolerance
 };
 
 constexpr Fault operator|(Fault a, Fault b) noexcept { return Fault(std::uint32_t(a) | std::uint32_t(b)); }

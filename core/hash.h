@@ -37,13 +37,13 @@ class Hash {
   void add(const DampedSpring::State& x) noexcept { add(x.phi_B); }
   void add(const LimitedFeedback::State& x) noexcept {
     add(x.F_D);
-    if (x.force_at_return == 0 && x.torque_at_return == 0) return;  // there was no gap
+    if (x.force_at_return == 0 && x.torque_at_return == 0) return;  // no gap
     add(x.force_at_return, x.torque_at_return);
   }
   void add(const DeviceState& x) noexcept {
     add(x.last, x.ramp, x.held);
     if (!x.F_WB.f.isZero(0) || !x.F_WB.tau.isZero(0)) add(x.F_WB);
-    if (x.recovery == 0) return;  // not after a gap
+    if (x.recovery == 0) return;  // no gap
     add(x.recovery, std::uint64_t{x.long_gap});
   }
   void add(const HoldingState& x) noexcept { add(static_cast<const DeviceState&>(x), x.X_DB); }

@@ -40,7 +40,7 @@ struct TrBdf2 {
   static constexpr Real c = 2 * d;
   static constexpr Real b = 0.35355339059327376;
 
-  /// Advances all bodies by one step, from x to w.next, through the targets of w.pulls.
+  /// Advances all bodies by one step, from x to w.next, through the targets of w.coupling_inputs.
   template <Scene S>
   static Limited advance(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
     const Begin begin = first_acceleration(par, x, w);
@@ -180,8 +180,9 @@ struct TrBdf2 {
       recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
         w.inside[g] = interpolated<T>(
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].from; }),
-            gathered(group, [&w](std::size_t i) -> const Target& { return w.pulls[i].to; }), end, h);
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.coupling_inputs[i].from; }),
+            gathered(group, [&w](std::size_t i) -> const Target& { return w.coupling_inputs[i].to; }), end,
+            h);
     }
     start_nodes(par, x, dh, w);
     start_coordinates(par, x, w);
@@ -270,7 +271,7 @@ struct TrBdf2 {
       smooth = smooth && (y.memory.known || x.tick == 0) && turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
                h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= max_swing_change * max_swing_change;
       known = known && y.memory.known;
-      if constexpr (uses<typename S::Device>) known = known && !w.pulls[i].fresh;
+      if constexpr (uses<typename S::Device>) known = known && !w.coupling_inputs[i].fresh;
     }
     if (smooth && known) return Begin::from_memory;
     return smooth && may_start_without_acceleration(par, x) ? Begin::without_acceleration

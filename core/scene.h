@@ -114,8 +114,8 @@ template <class S> concept FeedbackIsAPart = Part<typename S::Feedback>;
 template <class S> concept ContactsAreAPart = Part<ContactsOf<S>>;
 
 // Rejects a part in the wrong slot here instead of deep within the step.
-template <class S> concept DeviceGivesPulls = !uses<typename S::Device> || requires {
-  &S::Device::pull;
+template <class S> concept DeviceGivesCouplingInputs = !uses<typename S::Device> || requires {
+  &S::Device::coupling_input;
   typename S::Device::Input;
 };
 template <class S> concept JointsAreTreeJoints = !uses<typename S::Joints> || requires {
@@ -182,7 +182,7 @@ template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
 template <class S>
-concept PartsAreParts = DeviceIsAPart<S> && DeviceGivesPulls<S> && JointsAreAPart<S> &&
+concept PartsAreParts = DeviceIsAPart<S> && DeviceGivesCouplingInputs<S> && JointsAreAPart<S> &&
     JointsAreTreeJoints<S> && CouplingIsAPart<S> && CouplingIsASpring<S> && FeedbackIsAPart<S> &&
     FeedbackIsLimited<S> && ContactsAreAPart<S> && ContactsAreFixedOrBodyContacts<S> &&
     NodesAreANodeList<S> && TermsAreATermList<S> && NetIsAMassSpringNet<S>;

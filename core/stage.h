@@ -148,9 +148,10 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     Vector3<T> F_W = body.m * par.gravity_W;
     Vector3<T> tau_B = Vector3<T>::Zero();
     if constexpr (uses<typename S::Device>) {
-      F_W += gathered(group, [&](std::size_t i) -> const Vec3& { return w.pulls[i].F_WB.f; });
-      tau_B = to_body<T>(base.X_WB.q,
-                         gathered(group, [&](std::size_t i) -> const Vec3& { return w.pulls[i].F_WB.tau; }));
+      F_W += gathered(group, [&](std::size_t i) -> const Vec3& { return w.coupling_inputs[i].F_WB.f; });
+      tau_B = to_body<T>(base.X_WB.q, gathered(group, [&](std::size_t i) -> const Vec3& {
+                           return w.coupling_inputs[i].F_WB.tau;
+                         }));
     }
 
     SpringParamsOf<T> spring;
@@ -158,8 +159,8 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     RotationErrorOf<T> error;
     if constexpr (uses<typename S::Coupling>) {
       const TargetOf<T>& target = target_of(g);
-      spring =
-          gathered(group, [&](std::size_t i) { return ramped(par.bodies[i].coupling, w.pulls[i].ramp.s); });
+      spring = gathered(
+          group, [&](std::size_t i) { return ramped(par.bodies[i].coupling, w.coupling_inputs[i].ramp.s); });
       e_W = target.X_WD.p - base.X_WB.p;
       v_D = target.V_WD.v;
       w_D_B = to_body<T>(base.X_WB.q, target.V_WD.w);
@@ -169,7 +170,7 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
 
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
-    const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // where the stage starts
+    const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // force at the start of the stage
     const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
     constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
     const auto point = [&]() noexcept -> decltype(auto) {
@@ -212,9 +213,9 @@ template <Scene S>
 void prescribe_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   if constexpr (uses<typename S::Device>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      const Wrench &F_0 = w.pulls[i].F_0_WB, &F_1 = w.pulls[i].F_1_WB;
-      w.pulls[i].F_WB = {.tau = F_1.tau - (1 - s) * (F_1.tau - F_0.tau),
-                         .f = F_1.f - (1 - s) * (F_1.f - F_0.f)};
+      const Wrench &F_0 = w.coupling_inputs[i].F_0_WB, &F_1 = w.coupling_inputs[i].F_1_WB;
+      w.coupling_inputs[i].F_WB = {.tau = F_1.tau - (1 - s) * (F_1.tau - F_0.tau),
+                                   .f = F_1.f - (1 - s) * (F_1.f - F_0.f)};
     }
   }
 }
@@ -259,7 +260,7 @@ template <Scene S>
 auto targets_at_the_end(const Params<S>& par, const Scratch<S>& w) noexcept {
   return [&](std::size_t g) -> decltype(auto) {
     return gathered(GroupIn<S>(g, num_bodies(par)),
-                    [&w](std::size_t i) -> const Target& { return w.pulls[i].to; });
+                    [&w](std::size_t i) -> const Target& { return w.coupling_inputs[i].to; });
   };
 }
 

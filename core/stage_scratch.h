@@ -78,7 +78,7 @@ struct ExpectedTurns {
 /// Means over a step of contact and joint forces, over the stages solved so far.
 template <class S>
 struct StepMeans {
-  static constexpr std::size_t num_stages = S::Integrator::order + 1;  // with the one before the step
+  static constexpr std::size_t num_stages = S::Integrator::order + 1;  // including that before the step
   struct OfBody {
     [[no_unique_address]] Slot<typename ContactsOf<S>::BodyOutput, 10> contact;
     [[no_unique_address]] Slot<typename S::Joints::Output, 4> joint;
@@ -100,12 +100,14 @@ inline constexpr bool iterates_joints = requires {
 template <class S>
 struct Iteration {
   std::array<RigidBodyStateOf<Lanes<S>>, max_groups<S>> starts;               // bases of the stage
-  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;            // where the joints were taken
-  [[no_unique_address]] typename JointScratchOf<S>::Coordinates coordinates;  // where the stage starts
+  std::array<StageVelocityOf<Lanes<S>>, max_groups<S>> linearised;            // velocities at which the
+                                                                              // joints were linearised
+  [[no_unique_address]] typename JointScratchOf<S>::Coordinates coordinates;  // coordinates at the start of
+                                                                              // the stage
   [[no_unique_address]] std::conditional_t<has_stages<S>, typename ContactsOf<S>::State, Absent<21>>
       of_stage_before;      // contacts
-  StepMeans<S> means;       // where the stage starts
-  bool subdivides = false;  // a stage of the step was subdivided
+  StepMeans<S> means;       // means at the start of the stage
+  bool subdivides = false;  // true if a stage of the step was subdivided
 };
 
 /// Nodes of nets at the start and the end of a stage.
@@ -122,15 +124,16 @@ struct NetMotions {
 template <class S>
 struct Scratch {
   using T = Lanes<S>;
-  std::array<typename PullOf<typename S::Device>::type, S::max_bodies> pulls;  // from the devices
-  std::array<Next<S>, max_groups<S>> next;                                     // committed if finite
-  std::array<TargetOf<T>, max_groups<S>> inside;                               // targets inside the step
-  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;                        // where the stage starts
-  std::array<StageVelocityOf<T>, max_groups<S>> velocities;                    // solution of the stage
-  [[no_unique_address]] JointScratchOf<S> tree;                                // the bodies with their joints
+  std::array<typename CouplingInputOf<typename S::Device>::type, S::max_bodies>
+      coupling_inputs;                                       // from the devices
+  std::array<Next<S>, max_groups<S>> next;                   // committed if finite
+  std::array<TargetOf<T>, max_groups<S>> inside;             // targets inside the step
+  std::array<RigidBodyStateOf<T>, max_groups<S>> bases;      // start of the stage
+  std::array<StageVelocityOf<T>, max_groups<S>> velocities;  // solution of the stage
+  [[no_unique_address]] JointScratchOf<S> tree;              // the bodies with their joints
   [[no_unique_address]] std::conditional_t<uses<typename S::Joints> && uses<typename S::Feedback>,
                                            std::array<Wrench, S::max_bodies>, Absent<2>>
-      wanted;  // to be shown on the links of the device, before limits
+      wanted;  // feedback of the device's links, before limits
   [[no_unique_address]] std::conditional_t<prescribes<S>, std::array<PrescribedMotion, S::max_bodies>,
                                            Absent<6>>
       prescribed;

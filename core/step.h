@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-inline bool is_finite(Real sum) noexcept { return sum - sum == 0; }  // NaN and infinity are not
+inline bool is_finite(Real sum) noexcept { return sum - sum == 0; }  // false for NaN and infinity
 inline bool is_finite(const Pack& sum) noexcept {
   return is_finite((lane(sum, 0) + lane(sum, 1)) + (lane(sum, 2) + lane(sum, 3)));
 }
@@ -56,9 +56,9 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
 
 /// Returns the feedback (8) at the end of the step, scaled by the ramp.
 template <class S>
-Wrench feedback(const BodyParams<S>& par, const Pull& pull, const BodyState<S>& body) noexcept {
-  const RotationError error = rotation_error(body.x.X_WB.q, pull.to.X_WD.q, body.coupling.phi_B);
-  return S::Feedback::wrench(ramped(par.feedback.gains, pull.ramp.s), body.x, pull.to, error.phi_B);
+Wrench feedback(const BodyParams<S>& par, const CouplingInput& input, const BodyState<S>& body) noexcept {
+  const RotationError error = rotation_error(body.x.X_WB.q, input.to.X_WD.q, body.coupling.phi_B);
+  return S::Feedback::wrench(ramped(par.feedback.gains, input.ramp.s), body.x, input.to, error.phi_B);
 }
 
 /// Moves feedback of links without a motor to their parents (9), from the leaves up. Links of the device are
@@ -69,7 +69,8 @@ void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
     const auto& joint = par.bodies[i].joint;
     if (joint.driven) continue;
     if (joint.kind != JointKind::free && joint.parent != world) {
-      const Wrench F = moved_to_parent(w.wanted[i], w.pulls[i].to.X_WD.p, w.pulls[joint.parent].to.X_WD.p);
+      const Wrench F = moved_to_parent(w.wanted[i], w.coupling_inputs[i].to.X_WD.p,
+                                       w.coupling_inputs[joint.parent].to.X_WD.p);
       w.wanted[joint.parent].tau += F.tau;
       w.wanted[joint.parent].f += F.f;
     }
@@ -100,7 +101,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (!std::is_empty_v<typename S::Integrator::Memory>)
       x.bodies[i].memory = next.memory.of_lane(j);
     if constexpr (uses<typename S::Coupling>) x.bodies[i].coupling.phi_B = lane(next.coupling.phi_B, j);
-    if constexpr (uses<typename S::Device>) x.bodies[i].device = state_after(w.pulls[i]);
+    if constexpr (uses<typename S::Device>) x.bodies[i].device = state_after(w.coupling_inputs[i]);
     if constexpr (prescribes<S>) x.bodies[i].joint.last = w.prescribed[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
@@ -133,15 +134,15 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
     for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.devices[i]);
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
-        w.pulls[i] = S::Device::pull(par.bodies[i].device, in.devices[i], x.bodies[i].x, par.h,
-                                     x.bodies[i].device, out.limited);
+        w.coupling_inputs[i] = S::Device::coupling_input(par.bodies[i].device, in.devices[i], x.bodies[i].x,
+                                                         par.h, x.bodies[i].device, out.limited);
   }
   if constexpr (prescribes<S>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) out.fault |= check(in.joints[i]);
     if (!any(out.fault))
       for (std::size_t i = 0; i < num_bodies(par); ++i)
         w.prescribed[i] = prescribe(x.bodies[i].joint, num_axes(par.bodies[i].joint.kind).turns, in.joints[i],
-                                    x.bodies[i].device.ramp, w.pulls[i], par.h);
+                                    x.bodies[i].device.ramp, w.coupling_inputs[i], par.h);
   }
 
   // motion: (10), (11), by one or two stages (12), (13)
@@ -166,12 +167,12 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   // feedback: (8), moved to driven links (9), bounded
   if constexpr (uses<typename S::Feedback>) {
     const auto wanted = [&](std::size_t i) noexcept {
-      const bool live = !any(out.fault) && w.pulls[i].live;
-      return live ? feedback(par.bodies[i], w.pulls[i], x.bodies[i]) : Wrench{};
+      const bool live = !any(out.fault) && w.coupling_inputs[i].live;
+      return live ? feedback(par.bodies[i], w.coupling_inputs[i], x.bodies[i]) : Wrench{};
     };
     const auto show = [&](std::size_t i, const Wrench& F) noexcept {
       constexpr Gap none{};
-      const Gap& gap = any(out.fault) ? none : w.pulls[i].gap;
+      const Gap& gap = any(out.fault) ? none : w.coupling_inputs[i].gap;
       S::Feedback::show(par.bodies[i].feedback, gap, F, par.h, x.bodies[i].feedback, out.bodies[i].feedback,
                         out.limited);
     };

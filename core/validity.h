@@ -23,11 +23,11 @@ enum class Invalid : std::uint8_t {
   contact_sphere,        // a sphere without radius, of no body or material, or not in the order of the bodies
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
-  node,             // more nodes than there is room for, or one without mass
-  net,  // too many nodes or springs, a node without mass or body, carriers or springs out of order
+  node,             // more nodes than the capacity, or one without mass
+  net,             // too many nodes or springs, a node without mass or body, carriers or springs out of order
   net_attachment,  // too many, of no node or body, to the node's own carrier, out of order, or negative
-  term,  // between bodies or nodes that are not there, or with a number that is negative or not finite
-  not_imposable,  // a prescribed joint of a kind without coordinates of its own: free, fixed or ball
+  term,            // between missing bodies or nodes, or with a negative or non-finite number
+  not_imposable,   // a prescribed joint of a kind without coordinates of its own: free, fixed or ball
 };
 
 /// Returns the rule as a sentence.

@@ -53,7 +53,7 @@ struct NodeMotion {
 /// Working storage for the nodes of a scene in a step, undefined between steps.
 template <std::size_t max, class State>
 struct NodeScratch {
-  std::array<NodeMotion, max> bases;  // where the stage starts
+  std::array<NodeMotion, max> bases;  // start of the stage
   std::array<Vec3, max> velocities;   // solution of the stage
   std::array<State, max> next;        // committed if finite
 };

@@ -12,8 +12,8 @@ struct RigidBodyParamsOf {
   Matrix3<T> I_B =
       Matrix3<T>::Identity();  // inertia about the centre of mass, body axes, kg m^2, positive definite
   // derived by rigid_body()
-  T anisotropy = 1;                    // sqrt(I_max / I_min): see rho in implicit_rotation
-  T max_turn = max_extrapolated_turn;  // rad: how far it may turn in a step of TrBdf2 that extrapolates
+  T anisotropy = 1;                    // sqrt(I_max / I_min), for rho in implicit_rotation
+  T max_turn = max_extrapolated_turn;  // rad, largest rotation in an extrapolated step of TrBdf2
 };
 using RigidBodyParams = RigidBodyParamsOf<Real>;
 

@@ -118,7 +118,7 @@ bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& 
   most = {};
   const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
-  [[maybe_unused]] bool turned = false;  // friction given along a slip (50) does work on it
+  [[maybe_unused]] bool turned = false;  // true if friction predicted along a slip (50) does work on it
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
     if constexpr (std::is_same_v<V, PackVelocity>) {
       turned = turned || is_slip_reversed(c);
@@ -145,8 +145,8 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
 /// Termination criteria of the iterations of a coupled system.
 struct SolverLimits {
   bool has_contacts = false;
-  int iteration_limit = 0;              // in all Newton iterations
-  Real tolerance = velocity_tolerance;  // m/s
+  int iteration_limit = 0;              // limit of iterations, in all Newton iterations
+  Real tolerance = velocity_tolerance;  // m/s, of all velocities
 
   /// Returns the limit for the next Newton iteration: a share of the remaining iterations, because contacts
   /// may change their modes afterwards.
@@ -203,13 +203,17 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
                   [&](auto u, const auto& V) noexcept { return speed_sq_of(w.stages, u, V); });
       converged = taken.converged;
       iterations += taken.iterations;
-      if constexpr (System::is_coupled) compute_residual(system, x);
+      if constexpr (System::is_coupled) {
+        compute_residual(system, x);
+        w.net.is_balanced = true;
+      }
       left = largest_residual(system, w);
     }
     if (move_contacts(island, w)) {
       // predicted velocities solve no system, so nothing is lost by leaving them
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
+      if constexpr (System::is_coupled) w.net.is_balanced = false;
     }
     done = update_contact_modes<FrictionSearch>(newton_iterations, h, island, w, most);
     if constexpr (System::is_coupled) {
@@ -289,11 +293,11 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
 /// which then equal the change of momentum.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  std::array<Vec3, N> missing;
+  Missing<Contacts, N> missing;
   for (std::size_t i = 0; i < N; ++i) {
     const SpatialVector F = w.unbalanced[i] * (1 / h);
     w.wrenches[i].tau += F.w.vec();
-    missing[i] = F.v.vec();
+    missing.F_W[i] = F.v.vec();
   }
   pass_on(missing, w);
 }

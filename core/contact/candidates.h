@@ -13,11 +13,11 @@ namespace godobject {
 struct NearContact {
   std::uint64_t key = 0;
   std::uint32_t of = 0, on = 0;  // numbers of both sides: surfaces, then spheres
-  std::uint32_t a = 0, b = 0;    // their bodies
+  std::uint32_t a = 0, b = 0;    // bodies of `of` and `on`
   Real d = 0;                    // depth, m; < 0: apart
-  Real v_n = 0;                  // how fast it opens, m/s
+  Real v_n = 0;                  // opening speed, m/s
   Vec3 p_W = Vec3::Zero();       // contact point, on a
-  Vec3 n_W = Vec3::UnitZ();      // off b
+  Vec3 n_W = Vec3::UnitZ();      // normal, off b
 
   static bool comes_before(const NearContact& a, const NearContact& b) noexcept { return a.key < b.key; }
   static bool is_deeper(const NearContact& a, const NearContact& b) noexcept {

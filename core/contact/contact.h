@@ -24,10 +24,11 @@ namespace godobject {
 struct ContactLaw {
   Real k = 0;            // N/m
   Real c = 0;            // N s/m
-  Real mu = 0;           // Coulomb, sticking and slipping
-  Real k_t = 0;          // N/m, of a contact point that sticks
-  Real c_t = 0;          // N s/m; k_t and c_t are not both zero where mu is not
-  Real push_out = 0.05;  // m/s, depenetration velocity: the rest penetration is relaxed at it
+  Real mu = 0;           // Coulomb friction, sticking and slipping
+  Real k_t = 0;          // stiffness of a sticking contact point, N/m
+  Real c_t = 0;          // damping of a sticking contact point, N s/m; k_t and c_t are not both zero unless
+                         // mu is
+  Real push_out = 0.05;  // depenetration velocity, at which the rest penetration is relaxed, m/s
 
   bool operator==(const ContactLaw&) const = default;
 };
@@ -37,7 +38,7 @@ using MaterialId = std::uint8_t;  // < max_materials
 /// A sphere fixed on a body.
 struct BodySphere {
   std::size_t body = 0;
-  Vec3 p_B = Vec3::Zero();  // its centre from the body's centre of mass, m
+  Vec3 p_B = Vec3::Zero();  // centre from the body's centre of mass, m
   Real radius = 0;          // m, > 0
   MaterialId material = 0;
 };
@@ -45,7 +46,7 @@ struct BodySphere {
 /// Surface touched by spheres: an obstacle of the world, or a shape fixed on a body.
 struct Surface {
   std::size_t body = world;
-  ShapeParams shape;  // its X_WS is against the body if it has one
+  ShapeParams shape;  // X_WS: pose on the body, or in the world without a body
   MaterialId material = 0;
 };
 
@@ -57,7 +58,7 @@ struct ContactParams {
   std::size_t num_spheres = 0;
   std::array<Surface, max_surfaces_> surfaces;
   std::size_t num_surfaces = 0;
-  std::array<std::array<ContactLaw, max_materials>, max_materials> laws;  // [a][b] is [b][a]
+  std::array<std::array<ContactLaw, max_materials>, max_materials> laws;  // symmetric: [a][b] is [b][a]
 
   const ContactLaw& law(MaterialId a, MaterialId b) const noexcept { return laws[a][b]; }
 };
@@ -65,16 +66,16 @@ struct ContactParams {
 /// Report of a step on the contacts of the scene.
 struct ContactReport {
   // at the end of the step's last stage
-  std::size_t num_contacts = 0;  // that bear a force
-  std::size_t num_near = 0;      // listed
+  std::size_t num_contacts = 0;  // active contacts
+  std::size_t num_near = 0;      // near contacts
   Real deepest = 0;              // depth of the deepest sphere, m
   // of the step's worst stage
-  int newton_iterations = 0;  // Newton iterations over the contact modes, of the island that took most
-  int iterations = 0;         // of conjugate gradients, in all of them, likewise
-  int num_without_room = 0;   // islands whose blocks had no room: solved by these
-  Real residual = 0;          // by how much the worst contact's force misses (22), (23), N
-  Real residual_share = 0;    // the same as a share of the largest normal force of its island
-  int num_stopped = 0;        // islands whose Newton iterations were stopped before they converged
+  int newton_iterations = 0;  // Newton iterations over the contact modes, of the island with most
+  int iterations = 0;         // iterations of conjugate gradients in all of them
+  int num_without_room = 0;   // islands with too few blocks, solved by conjugate gradients
+  Real residual = 0;          // largest deviation of a contact force from (22), (23), N
+  Real residual_share = 0;    // residual as a share of the largest normal force of its island
+  int num_stopped = 0;        // islands whose Newton iterations were cut off before they converged
   // of the step
   Real found =
       0;  // energy of contact springs at the start of stages in excess of that at the end of the previous

@@ -14,9 +14,9 @@ namespace godobject {
 struct TouchingPair {
   std::uint32_t child = 0, parent = 0;
   std::uint32_t first_pack = 0, end_pack = 0;
-  bool is_deep = false;     // somewhere, where the bodies are predicted to be
-  bool touches = false;     // some contact bears a force
-  std::uint32_t entry = 0;  // of the system, or no_slot
+  bool is_deep = false;     // true if some contact is deep at the predicted places
+  bool touches = false;     // true if some contact is active
+  std::uint32_t entry = 0;  // entry in the system, or no_slot
   Column d;                 // from the parent's centre of mass to the child's
   SymmetricSpatialMatrix A;
   SpatialVector F;
@@ -25,8 +25,8 @@ struct TouchingPair {
 /// Body in the graph of contacts. Undefined between steps.
 struct TouchingBody {
   std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
-  SymmetricSpatialMatrix A;                    // effective mass of these
-  SpatialVector F;                             // impulse of these at rest
+  SymmetricSpatialMatrix A;                    // effective mass of its contacts with the world
+  SpatialVector F;                             // impulse at rest of its contacts with the world
 };
 
 /// Island: bodies near each other and near no others, a system of its own. Ranges in the order of
@@ -43,12 +43,12 @@ struct TouchingGraph {
   std::array<TouchingBody, N> bodies;
   std::array<TouchingPair, max_pairs> pairs;
   std::size_t num_pairs = 0;
-  std::array<std::uint32_t, N> order;               // of the bodies that touch anything, island by island
-  std::array<std::uint32_t, max_pairs> pair_order;  // likewise
+  std::array<std::uint32_t, N> order;               // bodies with contacts, island by island
+  std::array<std::uint32_t, max_pairs> pair_order;  // pairs, island by island
   std::array<Island, N> islands;
   std::size_t num_islands = 0;
   std::array<std::uint32_t, N> joined_to,
-      island_of;  // a body of the same island; by that which is joined to itself
+      island_of;  // union-find parent of each body; island of each root
   [[no_unique_address]] std::conditional_t<jointed, JointEdges<N>, Absent<11>> joints;
   [[no_unique_address]] std::conditional_t<has_terms, std::array<TermEdge, max_terms>, Absent<19>> terms;
   std::uint32_t num_terms = 0;

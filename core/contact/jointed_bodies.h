@@ -254,18 +254,13 @@ template <class Contacts, std::size_t N, class Impulses>
 [[gnu::noinline]] void report_unbalanced_tools(std::size_t num_bodies, Real h, Impulses& F,
                                                BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& all = w.graph.joints;
-  std::array<Vec3, N> missing, before;
-  std::array<bool, N> is_near{}, is_on_world{};
-  for (std::size_t k = 0; k < w.near.size; ++k) {
-    const NearContact& near = w.near.list[k];
-    is_near[near.a] = true;
-    if (near.b < N) is_near[near.b] = true;
-    else is_on_world[near.a] = true;
-  }
-  for (std::size_t i = 0; i < N; ++i) {
-    missing[i].setZero();
-    before[i] = w.wrenches[i].f;
-  }
+  Missing<Contacts, N> missing;
+  std::array<bool, Missing<Contacts, N>::max> is_near{}, is_on_world{};
+  each_link(w, [&](const Link& link) noexcept {
+    is_near[link.a] = true;
+    if (link.b != Link::on_world) is_near[link.b] = true;
+    else is_on_world[link.a] = true;
+  });
   for (std::size_t root = 0; root < num_bodies; ++root) {
     if (!all.joined[root] || all.edges[root].kind != JointKind::free) continue;
     Vec3 sum = Vec3::Zero();
@@ -275,11 +270,11 @@ template <class Contacts, std::size_t N, class Impulses>
       sum += F[i].v.vec();
       if (is_near[i] && (at == N || (is_on_world[i] && !is_on_world[at]))) at = i;
     }
-    if (at < N) missing[at] = sum * (1 / h);
+    if (at < N) missing.F_W[at] = sum * (1 / h);
   }
   pass_on(missing, w);
   for (std::size_t i = 0; i < num_bodies; ++i)
-    if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i]) * h));
+    if (all.joined[i]) F[i].v -= Column(Vec3(missing.given[i] * h));
 }
 
 /// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts, plus
@@ -326,6 +321,13 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     const SpatialVector F_a = moved_wrench(F[i], r) * (1 / h);
     tree.nodes[i].F_C = {.tau = F_a.w.vec(), .f = F_a.v.vec()};
     if (edge.on_body()) F[edge.parent] = F[edge.parent] + moved_wrench(F[i], all.p[i] - all.p[edge.parent]);
+  }
+  if (!w.is_unbalanced) return;
+  // a free tool has no joint that could bear the rest: torques, and forces of tools that touch nothing
+  for (std::size_t i = 0; i < num_bodies(par); ++i) {
+    if (!all.joined[i] || all.edges[i].kind != JointKind::free) continue;
+    w.wrenches[i].tau += F[i].w.vec() * (1 / h);
+    w.wrenches[i].f += F[i].v.vec() * (1 / h);
   }
 }
 

@@ -9,6 +9,7 @@
 // for any assumed modes.
 #pragma once
 
+#include "core/contact/pass_on.h"
 #include "core/contact/unbalanced.h"
 #include "core/tuning.h"
 

@@ -14,9 +14,9 @@ namespace godobject {
 struct ContactMemory {
   std::uint64_t key = 0;
   Real e = 0;        // rest penetration: the offset of the contact spring, m
-  Real pressed = 0;  // by which it was deeper than e where the last stage ended, m
-  Column xi_W;       // how far the contact point has been dragged since it stuck, m
-  Column xi_dot_W;   // how fast it was, m/s
+  Real pressed = 0;  // compression of the spring at the end of the last stage, m
+  Column xi_W;       // drag of the contact point since it stuck, m
+  Column xi_dot_W;   // rate of the drag, m/s
   Column F_W;        // force in the last stage, N
   Column n_W;        // normal
 };
@@ -72,12 +72,13 @@ bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
 /// Initialisation of a stage's contacts: from the memory of the previous step or stage, extrapolated by t_0
 /// and t_1.
 struct ContactStage {
-  Real t_0 = 0, t_1 = 0;     // s: xi is that of the step + t_0 its rate + t_1 that of the stage before
-  Real relaxation_time = 0;  // s, for which e is relaxed
-  Real found = 0;            // J, by the stages of the step before it: ContactReport
+  Real t_0 = 0, t_1 = 0;     // s: xi is extrapolated by t_0 times the rate of the step, plus t_1 times that
+                             // of the previous stage
+  Real relaxation_time = 0;  // s, duration of the relaxation of e
+  Real found = 0;            // J, sum over the previous stages of the step: ContactReport
   bool continues_step =
-      false;  // after another stage of the step; otherwise that one's memories are none of this step
-  bool follows = false;   // it starts where that stage has ended
+      false;  // true after another stage of the step; otherwise the stage memory is of another step
+  bool follows = false;   // true if it starts at the end of the previous stage
   bool is_euler = false;  // as `follows`, but the rest penetration (35) is updated at step boundaries only
   Real extrapolated_time = 0;  // s: extrapolation from the end of the previous stage to the start of this one
 
@@ -120,13 +121,13 @@ struct StageLawOf {
   T k = 0;                       // N/m
   T eta_n = 0;                   // N s/m
   T eta_n_h = 0;                 // eta_n / h, N/m
-  T max_eta_t = 0;               // N s/m, of a contact point that sticks
+  T max_eta_t = 0;               // N s/m, of a sticking contact point
   T v_per_xi = 0;                // k_t / max_eta_t, 1/s
-  T mu = 0;                      // Coulomb
-  T kept = 0;                    // share of xi that is left at the end of a stage without friction
-  T given = 0;                   // m/N, by which friction moves xi
-  T max_decrease = 0;            // m, by which e may fall
-  T max_lag = 0;                 // m, by which it may be behind the depth when it falls
+  T mu = 0;                      // Coulomb friction
+  T kept = 0;                    // share of xi that remains at the end of a stage without friction
+  T given = 0;                   // m/N, change of xi by friction
+  T max_decrease = 0;            // m, largest decrease of e
+  T max_lag = 0;                 // m, largest distance of a decreasing e below the depth
   T max_stored_penetration = 0;  // m (35)
 };
 
@@ -141,9 +142,9 @@ struct ContactStartOf {
 /// Initial data of contacts in a stage.
 template <class T>
 struct InitialContactOf {
-  Vector3<T> xi_W;  // how far they have been dragged along the surface, m
+  Vector3<T> xi_W;  // drag along the surface, m
   T e;              // rest penetration: the offset of the contact spring, m
-  T F_n;            // normal force of the stage before, N; < 0: the contact is new
+  T F_n;            // normal force of the previous stage, N; < 0: new contact
   T found;          // J, (38): energy of its spring at the start of the stage in excess of that at the end of
                     // the previous one
 };
@@ -226,7 +227,7 @@ template <class T>
 struct InitialMemoryOf {
   Vector3<T> xi_W;
   T e, kept, given;
-  T F_n;  // normal force of the stage before, N; < 0: the contact is new
+  T F_n;  // normal force of the previous stage, N; < 0: new contact
 };
 
 /// Returns the contact memory at the end. d: depth, m. F_W: contact force, N.

@@ -63,7 +63,7 @@ struct BodyStage {
   Block A_ww;
   Real M = 0;
   SpatialVector b;
-  bool is_held = false;  // by a coupling
+  bool is_held = false;  // true if a coupling acts on it
 };
 
 inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexcept {
@@ -74,7 +74,7 @@ inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexc
 struct NearGroup {
   static constexpr std::uint32_t no_pair = ~std::uint32_t(0);
   std::uint32_t first = 0, end = 0;
-  std::uint32_t pair = no_pair;  // in the graph
+  std::uint32_t pair = no_pair;  // number of the pair in the graph
 };
 
 /// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
@@ -123,12 +123,12 @@ struct BodyContactScratch {
   std::size_t num_groups = 0;
   std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
   std::array<InitialMemoryPack, max_packs> initial;     // of these
-  LinePacks<max_packs + Contacts::max_net_packs> line;  // those that leave their modes on it
+  LinePacks<max_packs + Contacts::max_net_packs> line;  // contacts that change their modes on it
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename Contacts::TermStages terms;
-  System system;  // of the island at hand
+  System system;  // system of the current island
   SystemVectors<typename OfNet::Coupled>
-      x;  // V: velocities of all bodies; V_0: those predicted, then of the iteration before
+      x;  // V: velocities of all bodies; V_0: predicted ones, then those of the previous iteration
   [[no_unique_address]] typename OfNet::type net;            // nodes of nets
   [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;
@@ -206,86 +206,11 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
     if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
 }
 
-/// Number of the contact that bears most of those of the same two bodies, of the near contact k.
-template <class Contacts, std::size_t N>
-std::uint32_t bearing_of(std::uint32_t k, const BodyContactScratch<Contacts, N>& w) noexcept {
-  const std::uint32_t pair = pair_of(w.near.list[k]);
-  std::uint64_t key = w.near.list[k].key;
-  Real most = 0;
-  for (std::size_t n = 0; n < w.forces.size; ++n) {
-    const ContactForce& one = w.forces.list[n];
-    if (static_cast<std::uint32_t>(one.key >> 32) != pair || !(one.F_W.squaredNorm() > most)) continue;
-    most = one.F_W.squaredNorm();
-    key = one.key;
-  }
-  while (w.near.list[k].key < key) ++k;
-  while (w.near.list[k].key > key) --k;
-  return k;
-}
-
 /// A body on a joint, or on which others hang: joints bear what its contacts do not.
 template <class Contacts, std::size_t N>
 bool is_joined(std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
   if constexpr (Contacts::jointed) return w.graph.joints.joined[i];
   return false;
-}
-
-/// Adds to each body the force that it misses, by contacts that make a tree of an island: each passes on to the next body what it
-/// has added. The last one is a body that touches the world, which takes the rest, or one that is joined, if there is any.
-template <class Contacts, std::size_t N>
-void pass_on(std::array<Vec3, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
-  constexpr std::uint32_t none = Contacts::max_contacts;
-  std::array<std::uint32_t, N> order, by;  // bodies of a tree, and the near contact to the one before
-  std::array<bool, N> is_reached{};
-  const auto& near = w.near.list;
-  for (const int rank : {0, 1, 2})
-    for (std::uint32_t root = 0; root < N; ++root) {
-      std::uint32_t on_world = none;
-      for (std::uint32_t k = 0; k < w.near.size; ++k)
-        if (near[k].a == root && near[k].b >= N) on_world = k;
-      const int its_rank = on_world != none ? 0 : is_joined(root, w) ? 1 : 2;
-      if (is_reached[root] || rank != its_rank) continue;
-      std::size_t size = 0;
-      const auto reach = [&](std::uint32_t i, std::uint32_t k) noexcept {
-        if (is_reached[i]) return;
-        is_reached[i] = true;
-        order[size] = i;
-        by[size++] = k;
-      };
-      reach(root, on_world);
-      for (std::size_t n = 0; n < size; ++n)
-        for (std::uint32_t k = 0; k < w.near.size; ++k) {
-          if (near[k].b >= N) continue;
-          if (near[k].a == order[n]) reach(near[k].b, k);
-          else if (near[k].b == order[n]) reach(near[k].a, k);
-        }
-      for (std::size_t n = size; n-- > 0;) {
-        const std::uint32_t i = order[n];
-        const Vec3 F_W = missing[i];
-        if (F_W.isZero(0)) continue;
-        if (by[n] == none) {
-          if (!is_joined(i, w)) w.wrenches[i].f += F_W;
-          continue;
-        }
-        const NearContact& of = near[bearing_of(by[n], w)];
-        const bool on_a = of.a == i;
-        ContactForces<1> more;
-        more.size = 1;
-        more.list[0] = {.key = of.key,
-                        .on = of.on,
-                        .a = of.a,
-                        .b = of.b,
-                        .p_W = of.p_W,
-                        .n_W = of.n_W,
-                        .F_W = on_a ? F_W : Vec3(-F_W)};
-        w.forces.add(more, 1);
-        w.wrenches[i].f += F_W;
-        const std::uint32_t next = on_a ? of.b : of.a;
-        if (next >= N) continue;
-        w.wrenches[next].f -= F_W;
-        missing[next] += F_W;
-      }
-    }
 }
 
 }  // namespace godobject

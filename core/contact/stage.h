@@ -30,19 +30,20 @@ enum class Pass { by_tangent, by_secant, unchanged };
 
 /// Four contacts of a body with the world, or with one other body.
 struct ContactPack {
-  bool changed = true;  // the mode of one of them, in the last update
-  Vector3<Pack> r, n;   // from where the body's twist is taken to the contact point; off the surface
+  bool changed = true;  // true if the last update changed one of their modes
+  Vector3<Pack> r, n;   // r: lever from the point of the body's twist to the contact point; n: normal off the
+                        // surface
   Pack d_0, F_0, eta_n;
   Vector3<Pack> v_xi;
   Pack max_eta_t, mu;
   // mode
-  Pack active;  // 1 or 0
+  Pack active;  // 1 if active, else 0
   Pack eta_t;
-  Vector3<Pack> u;  // direction of the slip, if taken by its tangent; otherwise zero
-  Pack f_slip;      // and its friction
+  Vector3<Pack> u;  // direction of the slip if linearised by its tangent, else zero
+  Pack f_slip;      // friction along u
   // solution
   Vector3<Pack> v, F;
-  Pack v_n_0;  // of the iteration before
+  Pack v_n_0;  // normal velocity of the previous iteration
 };
 using InitialMemoryPack = InitialMemoryOf<Pack>;
 

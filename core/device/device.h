@@ -15,15 +15,16 @@ struct RampParams {
   Real rise = 0.5;  // s from engaging to full coupling; 0: at once
   Real lost = 0;    // s (and at least bridged_steps) without a valid sample after which the device re-engages
                     // by the ramp
-  Real stale = 0;   // s (and at least bridged_steps) for which the wrench that was shown stays; then it fades
+  Real stale = 0;   // s (and at least bridged_steps) for which the displayed wrench stays constant; then it
+                    // fades
 };
 
 /// Part of the feedback that is displayed in a step.
 enum class Showing : std::uint8_t {
   all,
-  capped,  // again, after a gap: as much as was shown at its end, and the share Pull::growth of the bounds
+  capped,  // after a gap: the wrench at its end, and the share CouplingInput::growth of the bounds
   still,   // no valid sample: the previous wrench
-  fading,  // none for too long: nothing any more
+  fading,  // no valid sample for longer than `stale`: fading to zero
 };
 
 struct RampState {
@@ -34,21 +35,21 @@ struct RampState {
 /// Effect of a gap in the samples on a step without a valid sample and on those after it.
 struct Gap {
   Real held = 0;      // s since the last valid sample
-  Real recovery = 0;  // s until all of the feedback may be shown
+  Real recovery = 0;  // s until the full feedback may be displayed
   Real growth = 0;    // see Showing::capped
   Showing showing = Showing::all;
   bool long_gap = false;   // true if `recovery` follows a long gap: the feedback grows meanwhile
-  bool bridged = false;    // the target goes on as it moved; without a sample and not bridged it rests
-  bool back = false;       // the first valid sample after a gap
+  bool bridged = false;    // true if the target is extrapolated; without a sample and not bridged it rests
+  bool back = false;       // first valid sample after a gap
   bool reengages = false;  // the gap exceeded `lost`: the device re-engages by the ramp
 };
 
 /// Coupling input of one body in one step: the target at both ends, and the ramp.
-struct Pull {
+struct CouplingInput {
   Target from, to;        // target at the start and the end of the step, quaternions of one sign
   RampState ramp;         // during this step
-  Wrench F_WB;            // force and torque applied by the hand (admittance), in a stage: where it ends
-  Wrench F_0_WB, F_1_WB;  // those at the start and the end of the step
+  Wrench F_WB;            // wrench applied by the hand (admittance) at the end of a stage
+  Wrench F_0_WB, F_1_WB;  // wrenches at the start and the end of the step
   bool live = true;       // true if the step has a valid sample
   bool fresh = false;     // first step after engaging or releasing: no history is valid
   Gap gap;
@@ -59,30 +60,30 @@ struct DeviceState {
   Target last;  // target of the last step
   RampState ramp;
   Real held = 0;          // s since the last valid sample
-  Real recovery = 0;      // s until all of the feedback may be shown, after a gap
-  bool long_gap = false;  // that gap was a long one: the feedback grows meanwhile
-  Wrench F_WB;            // applied at the end of the last step, of an admittance device
+  Real recovery = 0;      // s until the full feedback may be displayed after a gap
+  bool long_gap = false;  // true if that gap was long: the feedback grows meanwhile
+  Wrench F_WB;            // wrench at the end of the last step, of an admittance device
 };
 
 /// Returns the state after the step.
-inline DeviceState state_after(const Pull& pull) noexcept {
-  return {.last = pull.to,
-          .ramp = pull.ramp,
-          .held = pull.gap.held,
-          .recovery = pull.gap.recovery,
-          .long_gap = pull.gap.long_gap,
-          .F_WB = pull.F_1_WB};
+inline DeviceState state_after(const CouplingInput& input) noexcept {
+  return {.last = input.to,
+          .ramp = input.ramp,
+          .held = input.gap.held,
+          .recovery = input.gap.recovery,
+          .long_gap = input.gap.long_gap,
+          .F_WB = input.F_1_WB};
 }
 
-/// Return type of a device part's pull(): Pull, or the part's own type Pull derived from it.
+/// Return type of a device part's coupling_input(): CouplingInput, or a type derived from it of that name.
 template <class Device>
-struct PullOf {
-  using type = Pull;
+struct CouplingInputOf {
+  using type = CouplingInput;
 };
 template <class Device>
-requires requires { typename Device::Pull; }
-struct PullOf<Device> {
-  using type = typename Device::Pull;
+requires requires { typename Device::CouplingInput; }
+struct CouplingInputOf<Device> {
+  using type = typename Device::CouplingInput;
 };
 
 /// Returns a pose displaced by dp and dphi. |dphi| is limited to pi, because faster rotation is aliased by
@@ -128,28 +129,28 @@ inline Target extrapolated_target(const Target& x, Real dt) noexcept {
 /// Begins the coupling input of a step. The ramp is 0 in the first engaged step, so that engaging moves
 /// nothing, and then rises linearly to 1. Engaging, also after a gap too long to be bridged, requires a valid
 /// sample.
-inline Pull begin_pull(const RampParams& par, const DeviceState& x, bool wanted, bool valid, Real h,
-                       Limited& limited) noexcept {
+inline CouplingInput begin_coupling_input(const RampParams& par, const DeviceState& x, bool wanted,
+                                          bool valid, Real h, Limited& limited) noexcept {
   RampState before = x.ramp;
-  Pull pull;
-  pull.live = valid;
+  CouplingInput input;
+  input.live = valid;
   if (!valid || x.held > 0 || x.recovery > 0) [[unlikely]] {
-    pull.gap = bridge(par, x, valid, h);
-    if (pull.gap.reengages) before = {};
+    input.gap = bridge(par, x, valid, h);
+    if (input.gap.reengages) before = {};
     if (!valid) limited |= Limited::held;
-    if (pull.gap.showing == Showing::capped) limited |= Limited::ramp;
+    if (input.gap.showing == Showing::capped) limited |= Limited::ramp;
   }
   const bool engage = wanted && (valid || before.engaged);
-  pull.fresh = engage != before.engaged || engage != x.ramp.engaged;
-  pull.ramp.engaged = engage;
-  if (!engage) return pull;
+  input.fresh = engage != before.engaged || engage != x.ramp.engaged;
+  input.ramp.engaged = engage;
+  if (!engage) return input;
   if (before.s == 1 || par.rise <= h) {
-    pull.ramp.s = 1;
+    input.ramp.s = 1;
   } else {
-    pull.ramp.s = pull.fresh ? 0 : std::min(Real(1), before.s + h / par.rise);
+    input.ramp.s = input.fresh ? 0 : std::min(Real(1), before.s + h / par.rise);
     limited |= Limited::ramp;
   }
-  return pull;
+  return input;
 }
 
 /// True if a grip survives the gap: engaged before it, and the gap is at most max_gap_with_grip.
@@ -172,9 +173,9 @@ struct PoseDevice {
     bool engaged = true;  // true if the device drives its body
   };
 
-  static Pull pull(const Params& par, const Input& in, const RigidBodyState&, Real h, const State& x,
-                   Limited& limited) noexcept {
-    Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState&, Real h,
+                                      const State& x, Limited& limited) noexcept {
+    CouplingInput d = begin_coupling_input(par, x, in.engaged, in.valid, h, limited);
     d.from = x.last;
     d.to = {.X_WD = x.last.X_WD, .V_WD = {}};
     if (in.valid)
@@ -192,15 +193,15 @@ struct RelativeDevice {
   using State = DeviceState;
   struct Input {
     Vec3 dp_W = Vec3::Zero();    // shift since the last sample, m
-    Vec3 dphi_W = Vec3::Zero();  // turn since the last sample, rad, |dphi| <= pi
+    Vec3 dphi_W = Vec3::Zero();  // rotation since the last sample, rad, |dphi| <= pi
     bool clutch = true;          // true if motion of the device moves the target
     bool valid = true;
     bool engaged = true;
   };
 
-  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   Limited& limited) noexcept {
-    Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState& body, Real h,
+                                      const State& x, Limited& limited) noexcept {
+    CouplingInput d = begin_coupling_input(par, x, in.engaged, in.valid, h, limited);
     const bool gap_ends = in.valid && x.held > 0 && is_grip_kept(x);
     d.from = d.fresh && !gap_ends ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     d.to.X_WD = d.from.X_WD;
@@ -235,14 +236,14 @@ struct AdmittanceDevice {
   using Params = RampParams;
   using State = DeviceState;
   struct Input {
-    Wrench F_WB;  // of the hand on the body, about its centre of mass
+    Wrench F_WB;  // wrench of the hand on the body, about its centre of mass
     bool valid = true;
     bool engaged = true;
   };
 
-  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   Limited& limited) noexcept {
-    Pull d = begin_pull(par, x, in.engaged, in.valid, h, limited);
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState& body, Real h,
+                                      const State& x, Limited& limited) noexcept {
+    CouplingInput d = begin_coupling_input(par, x, in.engaged, in.valid, h, limited);
     d.from = d.to = d.fresh ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     if (in.valid) d.F_1_WB = {.tau = d.ramp.s * in.F_WB.tau, .f = d.ramp.s * in.F_WB.f};
     d.F_0_WB = d.fresh ? d.F_1_WB : x.F_WB;

@@ -31,13 +31,13 @@ inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) no
 struct LimitedFeedback {
   using Params = FeedbackParams;
   struct State {
-    Wrench F_D;  // shown in the last step
+    Wrench F_D;  // displayed in the last step
     // Displayed force and torque at the first sample after a gap, N and N m.
     Real force_at_return = 0;
     Real torque_at_return = 0;
   };
   struct Output {
-    Wrench F_D;  // on the device at the target's origin, world axes
+    Wrench F_D;  // displayed on the device at the target's origin, world axes
   };
 
   /// Returns the feedback (8):  F = g_d (v - v_D) + k_d (x - x_D),  T = g_dr (w - w_D) - k_dr alpha u
@@ -52,7 +52,7 @@ struct LimitedFeedback {
   static void show(const Params& par, const Wrench& wanted, Real h, State& x, Output& out,
                    Limited& limited) noexcept {
     const Real shown = x.F_D.f.sum() + x.F_D.tau.sum();
-    if (!(shown - shown == 0)) x.F_D = {};  // a damaged state must not reach the hand
+    if (!(shown - shown == 0)) x.F_D = {};  // keeps a damaged state from the hand
     move(par, in_size(par, wanted, limited), h, x, out, limited);
   }
 

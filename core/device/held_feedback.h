@@ -8,7 +8,7 @@ namespace godobject {
 /// Moves the feedback from the gripped body's target to the device's origin (9), where the hand is. Changes
 /// by gripping and releasing stay within the limits of size and rate.
 struct HeldFeedback {
-  using Params = FeedbackParams;  // limits; the gains are the body's own
+  using Params = FeedbackParams;  // limits; the gains are those of the body
   struct State {
     LimitedFeedback::State shown;
     Vec3 lever_W = Vec3::Zero();  // from the device's origin to the target

@@ -18,16 +18,16 @@ inline Pose seen_from(const Pose& X_WA, const Pose& X_WB) noexcept {
 }
 
 /// Coupling input with the grip, which is kept between steps.
-struct HoldingPull : Pull {
-  Pose X_DB;  // the held body as the device sees it
+struct GripInput : CouplingInput {
+  Pose X_DB;  // pose of the gripped body in the device's frame
 };
 
 struct HoldingState : DeviceState {
   Pose X_DB;
 };
 
-inline HoldingState state_after(const HoldingPull& pull) noexcept {
-  return {state_after(static_cast<const Pull&>(pull)), pull.X_DB};
+inline HoldingState state_after(const GripInput& input) noexcept {
+  return {state_after(static_cast<const CouplingInput&>(input)), input.X_DB};
 }
 
 /// Device with absolute poses, like PoseDevice, that keeps the gripped body's pose relative to the device at
@@ -45,12 +45,12 @@ inline HoldingState state_after(const HoldingPull& pull) noexcept {
 struct HoldingDevice {
   using Params = RampParams;
   using Input = PoseDevice::Input;
-  using Pull = HoldingPull;
+  using CouplingInput = GripInput;
   using State = HoldingState;
 
-  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   Limited& limited) noexcept {
-    Pull d{begin_pull(par, x, in.engaged, in.valid, h, limited), {}};
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState& body, Real h,
+                                      const State& x, Limited& limited) noexcept {
+    CouplingInput d{begin_coupling_input(par, x, in.engaged, in.valid, h, limited), {}};
     const Pose X_WD{.p = in.target.X_WD.p, .q = renormalized(in.target.X_WD.q)};
     const bool takes = d.fresh && !(x.held > 0 && is_grip_kept(x));
     if (d.ramp.engaged) d.X_DB = takes ? seen_from(X_WD, moved(body.X_WB, body.v_W, body.w_B, h)) : x.X_DB;

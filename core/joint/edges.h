@@ -15,9 +15,10 @@ struct JointEdge {
   Column a_W;  // anchor, on the body
   int num_turns = 0, num_axes = 0;
   std::array<Column, 3> s;                 // axes, unit: turns, then slides
-  std::array<Real, 2> stop_D{}, stop_b{};  // on the coordinates: effective mass, and impulse at rest
-  Real slide_D = 0;                        // more effective mass on the slide (40), its impulse in stop_b
-  std::uint32_t stop_entry = 0;            // in the system of its island
+  std::array<Real, 2> stop_D{}, stop_b{};  // terms of stops on the coordinates: effective mass, and impulse
+                                           // at rest
+  Real slide_D = 0;                        // effective mass added to the slide (40), its impulse in stop_b
+  std::uint32_t stop_entry = 0;            // entry in the system of its island
 
   bool on_world() const noexcept { return kind != JointKind::free && parent == world; }
   bool on_body() const noexcept { return parent != world; }
@@ -47,7 +48,7 @@ struct JointEdges {
   std::array<JointEdge, N> edges;
   std::array<bool, N> joined;        // true if the body is a parent or a child of a joint
   std::array<Column, N> p;           // centres of mass
-  std::array<SpatialVector, N> V_p;  // twists that obey the joints
+  std::array<SpatialVector, N> V_p;  // twists that satisfy the joints
 };
 
 }  // namespace godobject

@@ -75,7 +75,7 @@ void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matr
 struct JointStiffness {
   Block parent = Block::zero();
   Real turn = 0, slide = 0;
-  bool is_stiff = false;  // the part that is left out may turn a body round within a stage
+  bool is_stiff = false;  // true if the neglected part may reverse the rotation of a body within a stage
 };
 
 /// Returns the stiffness of a joint.

@@ -33,15 +33,15 @@ struct PrescribedMotion {
 /// so that engaging moves nothing at once. Constant while disengaged and after more than bridged_steps
 /// missing samples.
 inline PrescribedMotion prescribe(const PrescribedJoints::State& x, int turns, const JointMotionSample& in,
-                                  const RampState& before, const Pull& pull, Real h) noexcept {
+                                  const RampState& before, const CouplingInput& input, Real h) noexcept {
   PrescribedMotion l{.from = x.last, .to = {.q = x.last.q, .q_dot = JointCoordinates::Zero()}};
-  if (!pull.ramp.engaged || !pull.live) {
-    if (pull.ramp.engaged && pull.gap.bridged)
+  if (!input.ramp.engaged || !input.live) {
+    if (input.ramp.engaged && input.gap.bridged)
       l.to = {.q = x.last.q + h * x.last.q_dot, .q_dot = x.last.q_dot};
     return l;
   }
-  const JointCoordinates q = unwrapped(in.q, x.last.q, turns);  // the short way round
-  const Real s_0 = pull.fresh ? 0 : before.s, s = pull.ramp.s;
+  const JointCoordinates q = unwrapped(in.q, x.last.q, turns);  // nearest turn
+  const Real s_0 = input.fresh ? 0 : before.s, s = input.ramp.s;
   if (s_0 >= 1 || s >= 1) {
     l.to = {.q = q, .q_dot = in.q_dot};
   } else {

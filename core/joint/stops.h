@@ -12,8 +12,8 @@ struct StopParams {
   Real lower = -std::numeric_limits<Real>::infinity();
   Real upper = std::numeric_limits<Real>::infinity();
   Real k = 0;      // N m/rad or N/m, beyond `width`
-  Real g = 0;      // N m s/rad or N s/m, there too and only on the way in
-  Real width = 0;  // over which k and g rise from zero, rad or m, > 0
+  Real g = 0;      // N m s/rad or N s/m, beyond `width`, acting on the way in only
+  Real width = 0;  // rad or m, > 0: range over which k and g rise from zero
 };
 
 /// Stops part of a joint: one for each of its coordinates, rotations first.

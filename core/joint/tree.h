@@ -39,7 +39,7 @@ struct TreeJoints {
   };
   /// Coordinates are state if the joints have stops.
   struct State : Prescribed::State, std::conditional_t<uses<Stops>, typename Stops::State, Absent<26>> {
-    Wrench F_C;  // of the joint in the last step
+    Wrench F_C;  // wrench of the joint in the last step
   };
   using Input = typename Prescribed::Input;
   struct Output {
@@ -75,8 +75,8 @@ template <class T>
 struct TreePlaceOf {
   Vector3<T> p_W = Vector3<T>::Zero();
   Matrix3<T> R_WB = Matrix3<T>::Identity();
-  Vector3<T> a_W = Vector3<T>::Zero();  // the anchor of the body's joint
-  TwistOf<T> V;                         // of that anchor, world axes
+  Vector3<T> a_W = Vector3<T>::Zero();  // position of the anchor of the body's joint
+  TwistOf<T> V;                         // twist at that anchor, world axes
 };
 using TreePlace = TreePlaceOf<Real>;
 
@@ -98,7 +98,7 @@ TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
 
 /// Body of the tree during a stage; default: the world. Undefined between steps, except the joint's wrench.
 struct TreeNode {
-  TreePlace at;          // predicted end of the stage
+  TreePlace at;          // place at the predicted end of the stage
   ArticulatedBody body;  // at the anchor of its joint
   Column d;              // from the parent's anchor to the body's
   SpatialVector beta;    // (5)
@@ -115,11 +115,10 @@ struct JointsInStage {
 
   std::conditional_t<uses<typename Joints::Prescribed>, std::array<JointCoordinates, N>, Absent<8>>
       prescribed_q;
-  [[no_unique_address]] Coordinates q;  // where the stage starts, turns counted
-  bool is_stiff =
-      false;  // a stop or a force of a joint may have turned something round within the last stage
-  bool stop_acts = false;     // a coordinate was within a stop in the last stage
-  bool stop_changes = false;  // a coordinate entered or left a stop, or its width, in the last stage
+  [[no_unique_address]] Coordinates q;  // coordinates at the start of the stage, turns counted
+  bool is_stiff = false;   // true if a stop or joint force may have reversed a motion within the last stage
+  bool stop_acts = false;  // true if a coordinate was within a stop in the last stage
+  bool stop_changes = false;  // true if a coordinate entered or left a stop, or its width, in the last stage
 };
 
 /// Nodes of the bodies, then of the world.
@@ -210,7 +209,7 @@ void eliminate(const typename Joints::Params& par, const Motion& m, const JointC
   const bool has_parent = par.parent != world;
   const Twist beta = {.w = child.beta.w.vec(), .v = child.beta.v.vec()};
   if constexpr (Motion::num_turns == 3) {
-    add_shift_bias(a, child.beta.v);  // any turn is allowed: beta has none
+    add_shift_bias(a, child.beta.v);  // valid for any rotation, because beta has none
     eliminate_turns(a);
     if (has_parent) add_mass_to_parent(a, child.d, parent.body);
   } else {

@@ -16,7 +16,7 @@ struct BoundedList {
   std::size_t size = 0;
   std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept
 
-  bool in_order = true;  // so far
+  bool in_order = true;  // true while items were added in order
 
   bool full() const noexcept { return num_found > size; }
   void clear() noexcept {

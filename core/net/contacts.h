@@ -265,10 +265,39 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     SpatialVector& sum = net.on_carriers[run.body] = SpatialVector::zero();
     for (std::uint32_t n = run.first; n < run.end; ++n) {
       const Column u = w.x.V.nodes[n] - shifted(w.x.V.bodies[run.body], net.r[n]).v;
-      const Column J = net.J_anchor[n] - u * net.kappa[n];
+      const Column J = net.J_anchor[n] - u * net.kappa[n] - w.x.r.nodes[n];
       sum = sum - moved_wrench({.w = Column(Pack(0)), .v = J}, net.r[n]);
     }
   });
+  net.passed_on.fill(SpatialVector::zero());
+  if (net.num_nodes > 0) report_unbalanced_net(h, w);
+}
+
+/// Adds the residual of an iteration, as a force, to the contacts of the bodies and floating nets that it has moved. Joints bear
+/// that of their bodies.
+template <class Contacts, std::size_t N>
+[[gnu::noinline]] void report_unbalanced_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& net = w.net;
+  Missing<Contacts, N> missing;
+  bool is_missing = false;
+  if (!net.is_balanced) {
+    w.system.each([&](std::uint32_t i) noexcept {
+      is_missing = true;
+      if (is_joined(i, w)) return;
+      w.wrenches[i].tau -= w.x.r[i].w.vec() * (1 / h);
+      missing.F_W[i] = w.x.r[i].v.vec() * (-1 / h);
+    });
+  }
+  for (std::size_t k = 0; k < net.par->num_rows; ++k) {
+    if (!net.rows[k].is_free || net.rows[k].flies) continue;
+    is_missing = true;
+    for (std::uint32_t n = net.par->rows[k].first; n < net.par->rows[k].end; ++n)
+      missing.F_W[N + k] -= w.x.r.nodes[n].vec() * (1 / h);
+  }
+  if (!is_missing) return;
+  pass_on(missing, w);
+  w.is_unbalanced = true;
+  for (std::size_t i = 0; i < N; ++i) net.passed_on[i].v = Column(Vec3(missing.by_net[i] * h));
 }
 
 /// f(body, impulse on it about its centre of mass) of what nets pull it by, but for their contacts.
@@ -278,6 +307,7 @@ void each_net_impulse(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
     f(static_cast<std::uint32_t>(run.body), w.net.on_carriers[run.body]);
   });
   each_attachment_impulse(w.x.V, w.net, f);
+  for (std::uint32_t i = 0; i < N; ++i) f(i, w.net.passed_on[i]);
 }
 
 }  // namespace godobject

@@ -163,7 +163,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   system.bodies.each([&](std::uint32_t u) noexcept { along_c_1.add(x.p[u], c_1[u]); });
   // likewise of nets in free flight
   auto& net = system.net;
-  each_floating(net, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, RowStage& of) noexcept {
     if (!of.flies) return;
     const auto A_V = [&](std::uint32_t n) noexcept { return b.nodes[n] - x.r.nodes[n]; };
     of.delta = rigid_motion(nodes, of.masses, net.p, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
@@ -186,7 +186,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
     x.V[u] = x.V[u] + delta[u] - c_1[u] * s_1;
     x.r[u] = SpatialVector::zero();
   });
-  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (!of.flies) return;
     const SpatialVector c = of.delta - of.c_1 * s_1;
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n)

@@ -29,7 +29,7 @@ Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real 
     const std::uint32_t n = w.near.list[4 * pack + j].a;
     const Column along(lane(d, j));
     const Real m = dot(along, w.D[n] * along), held = dot(along, w.of_contacts[n] * along) - own[j];
-    if (m > 0) give.set(j, h / (m + std::max(held, Real(0))));  // otherwise there is no direction
+    if (m > 0) give.set(j, h / (m + std::max(held, Real(0))));  // otherwise the direction is undefined
   }
   return give;
 }
@@ -63,7 +63,7 @@ template <class Net, std::size_t N>
 void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
     ContactPack& c = w.packs[p];
-    const Pack F_before = max(w.initial[p].F_n, Pack(0));  // of a new one, none
+    const Pack F_before = max(w.initial[p].F_n, Pack(0));  // zero for a new contact
     const Vector3<Pack> v = w.begins_at_solution ? c.v : Vector3<Pack>(c.v + start_less_predicted(p, w));
     const Pack v_n = c.n.dot(v);
     const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.active * c.eta_n * h, h, w);

@@ -16,7 +16,7 @@ namespace godobject {
 
 /// Mass, centre, momentum and inertia of a flying group.
 struct Flight {
-  Real m = 0, size = 0;  // size: of L_W without spin, were all its parts one way
+  Real m = 0, size = 0;  // size: sum of m |r| |v|, an upper bound of the orbital part of |L_W|
   Vec3 mp_W = Vec3::Zero(), L_W = Vec3::Zero();
   Mat3 I_W = Mat3::Zero();
 
@@ -51,7 +51,7 @@ struct WithCarrier {
 
 /// Flying group: the nodes of a net without a carrier.
 struct WithoutCarrier {
-  const FloatingNet& nodes;
+  const NodeRow& nodes;
 
   template <class F>
   void each_body(F) const noexcept {}
@@ -66,8 +66,8 @@ template <class Net, std::size_t N>
 struct Attached {
   const NetStage<Net, N>& w;
   std::array<std::uint32_t, N> of;
-  std::array<bool, N> is_held;  // by number: attached to the world, or a node of the world to it
-  std::uint32_t number = 0;     // of the group at hand
+  std::array<bool, N> is_held;  // by number: true if attached to the world, or to a node of the world
+  std::uint32_t number = 0;     // number of the current group
 
   explicit Attached(const NetStage<Net, N>& net) noexcept : w(net) {
     for (std::uint32_t i = 0; i < N; ++i) of[i] = i;
@@ -126,10 +126,10 @@ Flight flight_of(const Params<S>& par, const FlyingGroup& flying, BodyOf body_of
 template <Scene S>
 bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size_t i) noexcept {
   if constexpr (uses<typename S::Coupling>) {
-    if (w.pulls[i].ramp.s > 0 && pulls(par.bodies[i].coupling)) return false;
+    if (w.coupling_inputs[i].ramp.s > 0 && pulls(par.bodies[i].coupling)) return false;
   }
   if constexpr (uses<typename S::Device>) {
-    const Wrench& F = w.pulls[i].F_WB;
+    const Wrench& F = w.coupling_inputs[i].F_WB;
     if (F.f.squaredNorm() + F.tau.squaredNorm() > 0) return false;
   }
   const auto& contacts = w.contacts;
@@ -183,7 +183,7 @@ void restore_angular_momentum(const Params<S>& par, const State<S>& x, const Fly
 template <Scene S>
 void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   const auto& net = w.contacts.net;
-  each_floating(net, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+  each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (of.flies) restore_angular_momentum(par, x, WithoutCarrier{nodes}, w);
   });
   if (net.attached().empty()) {

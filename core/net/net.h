@@ -16,13 +16,13 @@ namespace godobject {
 /// A node. Nodes of one carrier are consecutive.
 struct NetNode {
   Real m = 0;                // kg, > 0
-  std::size_t body = world;  // the carrier; world: the net lies in the scene
+  std::size_t body = world;  // carrier; world: node of the scene
   Vec3 p_B = Vec3::
-      Zero();  // where its anchor is: from the carrier's centre of mass in body axes, or in the world, m
+      Zero();  // place of its anchor: from the carrier's centre of mass in body axes, or in the world, m
   // of the anchor, N/m and N s/m; both 0: no anchor. If k is 0 for all nodes joined by springs, the net
   // floats
   Real k = 0, g = 0;
-  Real radius = 0;  // of the sphere by which it touches, m; 0: it touches nothing
+  Real radius = 0;  // radius of its contact sphere, m; 0: no contacts
   MaterialId material = 0;
 };
 
@@ -37,7 +37,7 @@ struct NetSpring {
 struct NetAttachment {
   std::uint32_t node = 0;
   std::size_t body = world;
-  Vec3 p_B = Vec3::Zero();  // the point: from the body's centre of mass in body axes, or in the world, m
+  Vec3 p_B = Vec3::Zero();  // point on the body: from its centre of mass in body axes, or in the world, m
   Real k = 0, g = 0;        // N/m, N s/m
 };
 template <std::size_t max>
@@ -76,9 +76,9 @@ struct NodePlace {
   std::uint32_t group = 0, lane = 0;
 };
 
-/// Nodes [first, end) which springs join to no others. The net floats if no anchor of theirs pulls: their
-/// dampers act on the deviation from their rigid motion (57).
-struct FloatingNet {
+/// Nodes [first, end) which springs join to no others. The row floats if no anchor of it pulls: its dampers
+/// act on the deviation from its rigid motion (57).
+struct NodeRow {
   std::uint32_t first = 0, end = 0;
 
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
@@ -91,16 +91,16 @@ struct NetParams {
   static constexpr std::uint32_t no_spring = max_springs;
   std::array<NetNode, max_nodes> nodes;
   std::size_t num_nodes = 0;
-  std::array<NetSpring, max_springs + 1> springs;  // and no_spring, which has no stiffness
+  std::array<NetSpring, max_springs + 1> springs;  // the springs and no_spring, which has no stiffness
   std::size_t num_springs = 0;
   [[no_unique_address]] NetAttachments<max_attachments> attachments;
   // in an elimination order: each node after those that springs join to it from below
   std::array<NodeGroup, max_nodes> groups;
   std::size_t num_groups = 0;
   std::array<SpringSlot, max_springs> slots;
-  std::array<NodePlace, max_nodes> places;              // of the nodes in the groups
-  std::array<FloatingNet, max_nodes / 2 + 1> floating;  // of two nodes or more
-  std::size_t num_floating = 0;
+  std::array<NodePlace, max_nodes> places;      // of the nodes in the groups
+  std::array<NodeRow, max_nodes / 2 + 1> rows;  // of two nodes or more
+  std::size_t num_rows = 0;
   int max_iterations = 12;  // of conjugate gradients in a stage
   // m/s^3: the iteration ends if no velocity changes by more than this times h^2, h of the stage. Residuals
   // add up over the steps, so they decrease like the integrator's error.
@@ -115,12 +115,12 @@ struct NetReport {
   // of the step's worst stage
   int iterations = 0;         // of conjugate gradients
   int newton_iterations = 0;  // over the modes of their contacts
-  Real residual = 0;          // the largest force on a node that is left unbalanced, N
+  Real residual = 0;          // largest unbalanced force on a node, N
   bool is_stopped = false;    // the iteration ended at its most, before its tolerance
   // of its last stage
   bool majorised = false;        // (47) was needed for the springs
-  std::size_t num_contacts = 0;  // of nodes, that bear a force
-  std::size_t num_near = 0;      // listed
+  std::size_t num_contacts = 0;  // active contacts of nodes
+  std::size_t num_near = 0;      // near contacts of nodes
   Real deepest = 0;              // depth of the deepest node, m
 
   void cover(const NetReport& before) noexcept {

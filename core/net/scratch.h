@@ -55,11 +55,12 @@ struct RigidFit {
   Block J_inverse;  // of their moments about it
 };
 
-/// Net that may float, in a stage.
-struct FloatingStage {
+/// A row of nodes in a stage.
+struct RowStage {
   bool floats = false;  // no anchor pulls, and some damper acts
   RigidFit dampers, masses;
   bool flies = false;        // nothing touches it
+  bool is_free = false;      // it lies in the world, and no anchor pulls
   SpatialVector delta, c_1;  // (45), about the centre of masses
 };
 
@@ -81,7 +82,7 @@ struct NetStage {
   bool begins_at_solution = false;        // V_0 is the last solution of the same stage (39)
   std::array<Real, max_nodes> m, kappa;   // mass; effective mass of the anchor
   std::array<Real, max_nodes> settling;   // h g of nodes that float, otherwise 0
-  std::array<FloatingStage, max_nodes / 2 + 1> floating;
+  std::array<RowStage, max_nodes / 2 + 1> rows;
   std::array<Column, max_nodes> J_anchor;
   std::array<Column, max_nodes> b;  // impulses of all but contacts
 
@@ -118,9 +119,11 @@ struct NetStage {
   Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
   std::array<Column, max_nodes> carrier_relative_v;  // velocities of the nodes, of a product
   using OfBodies = std::array<SpatialVector, N>;
-  OfBodies delta, c_1;    // (45)
-  OfBodies on_carriers;   // impulses of anchors on bodies, at the end
-  bool is_solved = true;  // false: the iteration was stopped at its most
+  OfBodies delta, c_1;   // (45)
+  OfBodies on_carriers;  // impulses of anchors on bodies, at the end
+  OfBodies passed_on;    // impulses on bodies by residuals that contacts of their nodes, or attachments, bear
+  bool is_solved = true;    // false: the iteration was stopped at its most
+  bool is_balanced = true;  // (45) holds for the velocities
   NetReport report;
 
   std::span<const NodeGroup> groups() const noexcept { return {par->groups.data(), par->num_groups}; }

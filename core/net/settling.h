@@ -18,7 +18,7 @@ namespace godobject {
 
 /// Sums of nodes weighted by weight(node), about their centre.
 template <class Positions, class Weight>
-RigidFit rigid_fit(const FloatingNet& nodes, const Positions& p, Weight weight) noexcept {
+RigidFit rigid_fit(const NodeRow& nodes, const Positions& p, Weight weight) noexcept {
   RigidFit fit;
   Column wp(Pack(0));
   for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
@@ -41,7 +41,7 @@ RigidFit rigid_fit(const FloatingNet& nodes, const Positions& p, Weight weight) 
 
 /// The twist about c by which impulses J(node) set the weighted nodes in motion as one.
 template <class Positions, class Impulse>
-SpatialVector rigid_motion(const FloatingNet& nodes, const RigidFit& fit, const Positions& p,
+SpatialVector rigid_motion(const NodeRow& nodes, const RigidFit& fit, const Positions& p,
                            Impulse impulse) noexcept {
   SpatialVector sum = SpatialVector::zero();
   for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
@@ -52,13 +52,13 @@ SpatialVector rigid_motion(const FloatingNet& nodes, const RigidFit& fit, const 
 /// f(net, what is known of it) for every net that floats.
 template <class Stage, class F>
 void each_floating(Stage& w, F f) noexcept {
-  for (std::size_t k = 0; k < w.par->num_floating; ++k)
-    if (w.floating[k].floats) f(w.par->floating[k], w.floating[k]);
+  for (std::size_t k = 0; k < w.par->num_rows; ++k)
+    if (w.rows[k].floats) f(w.par->rows[k], w.rows[k]);
 }
 
 /// True if no anchor of the row pulls, and some damper acts.
 template <class NetParams>
-bool floats(const NetParams& par, const FloatingNet& row) noexcept {
+bool floats(const NetParams& par, const NodeRow& row) noexcept {
   bool damps = false;
   for (std::uint32_t n = row.first; n < row.end; ++n) {
     if (par.nodes[n].k > 0) return false;
@@ -67,11 +67,22 @@ bool floats(const NetParams& par, const FloatingNet& row) noexcept {
   return damps;
 }
 
+/// True if the row lies in the world, and no anchor of it pulls.
+template <class NetParams>
+bool is_free(const NetParams& par, const NodeRow& row) noexcept {
+  for (std::uint32_t n = row.first; n < row.end; ++n)
+    if (par.nodes[n].body != world || par.nodes[n].k > 0) return false;
+  return true;
+}
+
 /// Dampers of floating nets, after begin_anchors() which takes them for anchors.
 template <class Net, std::size_t N>
 void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
-  for (std::size_t k = 0; k < par.num_floating; ++k) w.floating[k].floats = floats(par, par.floating[k]);
-  each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+  for (std::size_t k = 0; k < par.num_rows; ++k) {
+    w.rows[k].floats = floats(par, par.rows[k]);
+    w.rows[k].is_free = is_free(par, par.rows[k]);
+  }
+  each_floating(w, [&](const NodeRow& nodes, RowStage& of) noexcept {
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
       w.settling[n] = h * par.nodes[n].g;
       w.kappa[n] = 0;
@@ -84,7 +95,7 @@ void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w
 /// (57)  y += A_dampers v.
 template <class Net, std::size_t N, class Vector>
 void add_settling_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) noexcept {
-  each_floating(w, [&](const FloatingNet& nodes, const FloatingStage& of) noexcept {
+  each_floating(w, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     const SpatialVector V =
         rigid_motion(nodes, of.dampers, w.p, [&](std::uint32_t n) noexcept { return v[n] * w.settling[n]; });
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
@@ -96,7 +107,7 @@ void add_settling_product(const NetStage<Net, N>& w, const Vector& v, Vector& y)
 /// their momenta.
 template <class Net, std::size_t N>
 void find_flying(NetStage<Net, N>& w) noexcept {
-  each_floating(w, [&](const FloatingNet& nodes, FloatingStage& of) noexcept {
+  each_floating(w, [&](const NodeRow& nodes, RowStage& of) noexcept {
     of.flies = true;
     for (std::size_t k = 0; k < w.num_runs; ++k)
       if (w.runs[k].body != world && nodes.first < w.runs[k].end && w.runs[k].first < nodes.end)

@@ -30,19 +30,18 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   if (!are_springs) return;
   NodeGrouping(par).put_in_groups();
   assign_slots(par);
-  find_floating(par);
+  find_rows(par);
 }
 
-/// Finds the nets that may float: consecutive nodes that springs do not join to others. Their anchors decide
-/// in each stage.
+/// Finds the rows of nodes that springs join to no others. Their anchors decide in each stage if they float.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void find_floating(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
-  par.num_floating = 0;
+void find_rows(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+  par.num_rows = 0;
   std::size_t s = 0;
   for (std::uint32_t first = 0, end = 1; first < par.num_nodes; first = end++) {
     for (std::uint32_t n = first; n < end; ++n)
       for (; s < par.num_springs && par.springs[s].i == n; ++s) end = std::max(end, par.springs[s].j + 1);
-    if (end > first + 1) par.floating[par.num_floating++] = {.first = first, .end = end};
+    if (end > first + 1) par.rows[par.num_rows++] = {.first = first, .end = end};
   }
 }
 
@@ -72,9 +71,9 @@ bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
       return false;
     if (!is_number(spring.k) || !is_number(spring.g) || !is_number(spring.l_0)) return false;
   }
-  if (par.num_floating > par.floating.size()) return false;
-  for (std::size_t k = 0; k < par.num_floating; ++k)
-    if (par.floating[k].first >= par.floating[k].end || par.floating[k].end > par.num_nodes) return false;
+  if (par.num_rows > par.rows.size()) return false;
+  for (std::size_t k = 0; k < par.num_rows; ++k)
+    if (par.rows[k].first >= par.rows[k].end || par.rows[k].end > par.num_nodes) return false;
   return are_valid_groups(par);
 }
 

@@ -115,7 +115,7 @@ void begin_slot(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pac
                 const Vector3<Pack>& x_dot, Real h, SlotMass& K, Vector3<Pack>& J) noexcept {
   const Pack l_sq = x.squaredNorm(), l = sqrt(l_sq), h_k = k * h, h_g = g * h;
   const PackMask has_length = Pack(0) < l;
-  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is taken
+  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is evaluated
   const Pack u_x = x[0] * r, u_y = x[1] * r, u_z = select(has_length, x[2] * r, Pack(1));
   const Pack a = as == Springs::majorised
                      ? h_k * h
@@ -153,7 +153,7 @@ void begin_springs(const typename Net::Params& par, Real h, NetStage<Net, N>& w)
                        of_each(par.springs, slot, &NetSpring::l_0), x, x_dot, h, K, J);
         add_lanes(J, slot.others, w.b);
         on_i -= J;
-        Pack a = K.a;  // of springs between nodes of this run
+        Pack a = K.a;  // springs between nodes of this run
         if (std::any_of(slot.others.begin(), slot.others.end(),
                         [&](std::uint32_t n) { return n >= run.end; })) [[unlikely]]
           for (std::size_t j = 0; j < 4; ++j)

@@ -9,7 +9,7 @@ namespace godobject {
 /// First rule that a mesh breaks, or the array that is too small for it.
 enum class MeshInvalid : std::uint8_t {
   nothing,
-  no_triangle,          // none, or 2^30 and more
+  no_triangle,          // no triangles, or 2^30 and more
   vertex_not_finite,    // `number` is the vertex
   index_out_of_range,   // `number` is the triangle, here and below
   degenerate_triangle,  // height below 1e-9 of the longest edge
@@ -32,7 +32,7 @@ struct MeshStorage {
   std::span<Vec3> face_normals;             // num_triangles
   std::span<EdgeNormals> edge_normals;      // num_triangles
   std::span<Vec3> vertex_normals;           // num_vertices
-  std::span<std::uint32_t> half_edges;      // 3 num_triangles; of no use after the set-up
+  std::span<std::uint32_t> half_edges;      // 3 num_triangles; unused after the setup
   std::span<std::uint32_t> cell_start;      // one more than cells in the grid
   std::span<std::uint32_t> cell_triangles;  // one for every triangle in every cell it touches
 };

@@ -108,8 +108,7 @@ class BlockOrder {
   template <class Eliminate>
   bool eliminate(Eliminate join_neighbours) noexcept {
     for (std::uint32_t k = 0; k < w_.size; ++k) {
-      std::uint32_t least =
-          ~std::uint32_t(0);  // degree, then place: one number, which no branch has to wait for
+      std::uint32_t least = ~std::uint32_t(0);  // degree, then place: one number, compared without branches
       for (std::uint32_t i = 0; i < w_.size; ++i) least = std::min(least, w_.degree[i] << 16 | i);
       const std::uint32_t next = least & 0xffff;
       w_.degree[next] = eliminated;

@@ -19,7 +19,7 @@ namespace godobject {
 struct BlockEntry {
   std::uint32_t i = 0, j = 0;  // unknowns
   std::uint32_t slot = 0;      // of the system's blocks, or no_slot
-  SpatialMatrix A;             // where the factor is not complete
+  SpatialMatrix A;             // value, if the factor is incomplete
 };
 inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
 
@@ -45,7 +45,7 @@ struct BlockSystem {
   static constexpr std::size_t max_bodies = max_bodies_, max_unknowns = max_bodies_ + max_nodes_;
   static constexpr std::size_t max_entries = max_entries_, room = room_;
   static constexpr bool has_nodes = max_nodes_ > 0, jointed = jointed_, always_keeps = always_keeps_;
-  static constexpr bool is_coupled = false;  // with nodes of nets
+  static constexpr bool is_coupled = false;  // true with nodes of nets
   static_assert(max_unknowns < 0xfffe);
   static_assert(!jointed || room >= max_unknowns, "a joint needs its block");
   using Vector = std::array<SpatialVector, max_unknowns>;

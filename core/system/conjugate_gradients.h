@@ -96,7 +96,9 @@ Iterated iterate(int iteration_limit, Real tolerance, const System& system, Vect
     });
     // coupled: residual exactly zero, as of a net at rest
     converged = System::is_coupled ? rz == 0 : iterations > 0 && error_sq <= tolerance * tolerance;
-    if (converged || !(rz > 0)) break;  // otherwise the factor has lost its last digits: no direction is left
+    if (converged || !(rz > 0))
+      break;  // otherwise the factor has lost its last digits, and no direction
+              // remains
     const Real mu = norm_0 > 0 ? AV_0_z / norm_0 : 0, beta = rz / last;
     last = rz;
     system.each([&](auto u) noexcept {

@@ -38,7 +38,7 @@ bool is_valid(const DampedSpringParams& par, Exists exists) noexcept {
 struct SpringStage {
   TermEnds ends;
   Column r_a, r_b;  // from the centres of mass, world axes
-  Column F_0;       // force on b where the stage starts
+  Column F_0;       // force on b at the start of the stage
   Column J;
   Block K;
 };
@@ -68,7 +68,7 @@ struct DampedSprings {
       G = par.g * along;
       F = -par.k * (l - par.l_0) * u;
       const Real start = x_0.norm();
-      F_0 *= start > 0 ? 1 - par.l_0 / start : 0;  // without length it has no direction
+      F_0 *= start > 0 ? 1 - par.l_0 / start : 0;  // without length there is no direction
     }
     const Mat3 K = h * (h * K_s + G);
     w = {.ends = {.i = par.a.on, .j = par.b.on},

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/prescribed_joints.h"
+#include "platform/device/prescribed_samples.h"
 #include "platform/motion/motion.h"
 
 namespace godobject {
@@ -15,7 +15,7 @@ class HandedMotion final : public HandDevice {
   HandedMotion(const SceneConfig& scene, const Motion& motion)
       : motion_(motion),
         driven_(driven_bodies(scene)),
-        joints_(motion.has_joints() ? JointPrescriber(scene) : JointPrescriber()) {}
+        joints_(motion.has_joints() ? PrescribedSamples(scene) : PrescribedSamples()) {}
 
   void read(Period& period, std::span<BodySample> samples) noexcept override {
     for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples[driven_[i]] = sample(i, period.t);
@@ -40,7 +40,7 @@ class HandedMotion final : public HandDevice {
  private:
   const Motion& motion_;
   std::vector<std::size_t> driven_;
-  JointPrescriber joints_;
+  PrescribedSamples joints_;
 };
 
 }  // namespace godobject

@@ -9,7 +9,7 @@
 #include "hal/rig/rig.h"
 #include "platform/device/drive_swings.h"
 #include "platform/device/hand_device.h"
-#include "platform/device/prescribed_joints.h"
+#include "platform/device/prescribed_samples.h"
 
 namespace godobject {
 
@@ -59,7 +59,7 @@ class RigDevice final : public HandDevice {
 
   RigParams params_;
   std::vector<std::size_t> bodies_;  // one per handle
-  JointPrescriber joints_;
+  PrescribedSamples joints_;
   std::unique_ptr<RigLink> link_;
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;

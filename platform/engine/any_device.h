@@ -12,7 +12,7 @@ struct AnyDevice {
     Kind kind = Kind::pose;
   };
   using State = HoldingState;
-  using Pull = HoldingPull;
+  using CouplingInput = GripInput;
   /// Inputs of all kinds; `kind` selects the one that is read.
   struct Input {
     PoseDevice::Input pose;  // also of a device that grips bodies
@@ -20,15 +20,16 @@ struct AnyDevice {
     AdmittanceDevice::Input admittance;
   };
 
-  static Pull pull(const Params& par, const Input& in, const RigidBodyState& body, Real h, const State& x,
-                   Limited& limited) noexcept {
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState& body, Real h,
+                                      const State& x, Limited& limited) noexcept {
     switch (par.kind) {
       case Kind::pose: break;
-      case Kind::holding: return HoldingDevice::pull(par, in.pose, body, h, x, limited);
-      case Kind::relative: return {RelativeDevice::pull(par, in.relative, body, h, x, limited), {}};
-      case Kind::admittance: return {AdmittanceDevice::pull(par, in.admittance, body, h, x, limited), {}};
+      case Kind::holding: return HoldingDevice::coupling_input(par, in.pose, body, h, x, limited);
+      case Kind::relative: return {RelativeDevice::coupling_input(par, in.relative, body, h, x, limited), {}};
+      case Kind::admittance:
+        return {AdmittanceDevice::coupling_input(par, in.admittance, body, h, x, limited), {}};
     }
-    return {PoseDevice::pull(par, in.pose, body, h, x, limited), {}};
+    return {PoseDevice::coupling_input(par, in.pose, body, h, x, limited), {}};
   }
 };
 

@@ -266,7 +266,7 @@ std::vector<PartBytes> parts_of() {
   };
   using W = Scratch<S>;
   constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
-  constexpr std::size_t targets = sizeof(W::pulls) + sizeof(W::inside);
+  constexpr std::size_t targets = sizeof(W::coupling_inputs) + sizeof(W::inside);
   add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage);
   if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
   add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);

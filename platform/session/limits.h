@@ -52,10 +52,10 @@ inline constexpr std::array run_limits{
              "use a longer step, a faster machine or a real-time kernel: the loop missed its deadlines, and "
              "the pose was held "
              "meanwhile"},
-    RunLimit{"first_order", core_limited<Limited::first_order>,
-             "shorten the step: TR-BDF2 falls back to implicit Euler where a body turns faster than "
-             "godobject check allows, contacts "
-             "or stops change, or a net needs more than net_iterations"},
+    RunLimit{
+        "first_order", core_limited<Limited::first_order>,
+        "shorten the step, or raise net_iterations where limit net_cap is met too: TR-BDF2 falls back to "
+        "implicit Euler where a body turns faster than godobject check allows, or contacts or stops change"},
     RunLimit{"contact_residual", core_limited<Limited::contact_residual>,
              "shorten the step, soften contacts, or put fewer bodies into one heap: a contact force misses "
              "its law by more than 10 % "
@@ -68,9 +68,9 @@ inline constexpr std::array run_limits{
              "shorten the step or lower the contrast of masses and inertias in the tool: stages are "
              "subdivided, to first order, "
              "because joints come apart otherwise"},
-    RunLimit{"net_cap", core_limited<Limited::net_cap>,
-             "raise net_iterations or shorten the step: the iteration of nets ends before its tolerance "
-             "(residual_N of the report)"},
+    RunLimit{
+        "net_cap", core_limited<Limited::net_cap>,
+        "raise net_iterations: the iteration of nets ends before its tolerance (residual_N of the report)"},
     RunLimit{
         "drive_torque", drives_limited<&CommandReport::torque_limited>,
         "lower the feedback's gains or [device.limits], or raise torque_max_Nm as far as the motor bears it"},

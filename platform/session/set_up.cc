@@ -7,7 +7,7 @@ namespace godobject {
 namespace {
 
 /// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
-void check_prescribed_joints(const SceneConfig& scene, const Motion& motion, bool real,
+void check_motion_of_joints(const SceneConfig& scene, const Motion& motion, bool real,
                              std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
   for (const JointConfig& joint : scene.joints)
@@ -48,7 +48,7 @@ Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts
 Session::Made Session::build(const SceneConfig& scene, Motion motion, DeviceParts* device) {
   Made made;
   const bool real = device != nullptr && !device->truth;
-  check_prescribed_joints(scene, motion, real, made.errors);
+  check_motion_of_joints(scene, motion, real, made.errors);
   if (!made.errors.empty()) return made;
   std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
   s->real_ = real;

@@ -14,7 +14,7 @@ SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const H
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
   for (std::size_t k = 0; k < by_handle.size(); ++k)
     if (by_handle[k]) handle_[*by_handle[k]] = k;
-  joints_ = JointPrescriber(scene);
+  joints_ = PrescribedSamples(scene);
 }
 
 void SimulatedTruth::start(std::span<const BodySample> samples) {

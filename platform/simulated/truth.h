@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "platform/device/prescribed_joints.h"
+#include "platform/device/prescribed_samples.h"
 #include "platform/session/truth.h"
 #include "sim/hand.h"
 #include "sim/rig/link.h"
@@ -33,7 +33,7 @@ class SimulatedTruth final : public Truth {
   std::vector<std::size_t> driven_;                 // bodies
   std::vector<std::optional<std::size_t>> handle_;  // handle of each driven body, if the rig has one
   bool grips_bodies_ = false;                       // true if one handle moves any held body
-  JointPrescriber joints_;
+  PrescribedSamples joints_;
   std::vector<BodySample> samples_;  // samples of an ideal device
   std::unique_ptr<Engine> engine_;
 };

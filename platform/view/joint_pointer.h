@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/prescribed_joints.h"
+#include "platform/device/prescribed_samples.h"
 #include "platform/rt/ring.h"
 #include "platform/view/frame.h"
 
@@ -67,7 +67,7 @@ class JointPointer final : public HandDevice {
   std::vector<CoordinateRange> ranges_;
   KinematicTree tree_;
   std::vector<std::size_t> bodies_;  // one per handle
-  JointPrescriber prescribed_;
+  PrescribedSamples prescribed_;
   Ring<Sample> samples_{64};
 
   // State of the view's thread:

@@ -49,7 +49,7 @@ bench::ContactScene ball() {
   return scene;
 }
 
-TEST(ContactCase, KnowsTheFlightsOfABall) {
+TEST(ContactCase, MeasuresTheFlightsOfABall) {
   const std::vector<Flight> found = flights(ball(), ideal_bounces(9.81, 0.04));
   ASSERT_EQ(found.size(), 3u);
   const double fall = std::sqrt(2 * 0.04 / 9.81);

@@ -26,7 +26,7 @@ TEST(StabilityStudy, MeasuredExplicitLimitIsTheTheorys) {
     EXPECT_NEAR(measured_explicit_limit(damping), explicit_limit(damping), 1e-3) << damping;
 }
 
-TEST(StabilityStudy, KnowsTheFourClasses) {
+TEST(StabilityStudy, AssignsTheFourClasses) {
   const double limit = explicit_limit(1.4);
   EXPECT_EQ(classify(explicit_name, cell_at(1.2 * limit, 1.4)).stability, Stability::failed);
   EXPECT_EQ(classify(explicit_name, cell_at(0.01 * limit, 1.4)).stability, Stability::stable);

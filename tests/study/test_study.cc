@@ -162,7 +162,7 @@ void expect_contacts(const QuickRun& run) {
 }
 
 /// Stiff, light and hardly damped nets may gain energy (decision 048); none may fail.
-void expect_nothing_gains_or_moves_in_silence(const QuickRun& run) {
+void expect_no_undetected_gain_or_motion(const QuickRun& run) {
   ASSERT_EQ(run.results.extremes.size(), 5u);
   for (const ExtremeMap& map : run.results.extremes) {
     EXPECT_EQ(map.cells.size(),
@@ -211,7 +211,7 @@ TEST(Study, QuickRunWritesTablesFiguresAndReport) {
   expect_joints_held(run);
   expect_costs(run);
   expect_contacts(run);
-  expect_nothing_gains_or_moves_in_silence(run);
+  expect_no_undetected_gain_or_motion(run);
   expect_random(run);
   expect_nets(run);
   expect_figures(run);

@@ -20,7 +20,7 @@ namespace godobject {
 
 /// Crossing edges of two boxes, in the world.
 struct EdgeCrossing {
-  std::uint32_t edges = 0;  // which of a, which of b
+  std::uint32_t edges = 0;  // numbers of the edges of a and of b
   Real d = 0;               // depth, m
   Vec3 p_W, n_W;            // on the edge of a; off b
 };
@@ -35,9 +35,9 @@ inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
 
 /// Box b in the frame of box a. Lane j: axis j of b; the fourth is undefined.
 struct BoxOnBox {
-  Vec3 h_a;                  // half extents
-  Pack h_B;                  // those of b
-  Pack p_A, p_B;             // from a to b: in the frame of a; of b
+  Vec3 h_a;                  // half extents of a
+  Pack h_B;                  // half extents of b
+  Pack p_A, p_B;             // from a to b, in the frame of a and of b
   std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values
 
   BoxOnBox(const PlacedShape& a, const PlacedShape& b) noexcept
@@ -82,10 +82,10 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
 /// Edges of a box along one of its axes, on the side to which n points: two of the four. Lane j: edges that
 /// cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
 struct EdgesToSide {
-  PackMask first;  // on either side of the next axis, along which n leads less out; or of the one after it
-  Pack h;          // half extent there
-  Pack coordinate_on_other;  // along the other axis, where both are
-  Pack less;                 // by how much the one on the positive side is deeper than the other
+  PackMask first;  // lanes whose edge is on the side of the next axis; else on the side of the one after it
+  Pack h;          // half extent along that axis
+  Pack coordinate_on_other;  // coordinate of both edges along the other axis
+  Pack less;                 // depth of the edge on the positive side minus that of the other
 
   EdgesToSide(const Pack& n_1, const Pack& h_1, const Pack& n_2, const Pack& h_2) noexcept {
     const Pack out_1 = h_1 * n_1, out_2 = h_2 * n_2;
@@ -107,9 +107,9 @@ struct EdgesToSide {
 struct EdgeAxes {
   int i, k, l;
   const Pack &R_i, &R_k, &R_l;
-  Pack sine;     // its length
-  Pack between;  // a and b, times the sine
-  Pack d;        // how deep the boxes are in each other along it
+  Pack sine;     // length of n before normalisation
+  Pack between;  // distance of a and b along it, times the sine
+  Pack d;        // depth of the boxes along it
 
   EdgeAxes(const BoxOnBox& w, int axis) noexcept
       : i(axis),

@@ -82,8 +82,8 @@ Vec3 separation_direction(const ContactFinder<Contacts, N>& w, std::uint32_t a, 
 /// body. Spheres and edges of such a pair detect nothing, or push in all directions.
 struct SinkingAxis {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::uint32_t number = none;  // of the box among those of its body, whose body, and which face
-  Vec3 n_W = Vec3::UnitZ();     // from b to a
+  std::uint32_t number = none;  // packed axis id: box on its body, body a or b, face 0 to 5
+  Vec3 n_W = Vec3::UnitZ();     // normal, from b to a
   Real depth = std::numeric_limits<Real>::infinity();
 
   static constexpr std::uint32_t of(std::uint32_t box, bool of_a, int face) noexcept {

@@ -20,8 +20,8 @@ inline SurfacePoint nearest_of(const PlacedShape& shape, const Vec3& p_W, Real r
 /// Place of a sphere against the surface that it touched first.
 struct SweptContact {
   bool touches = false;
-  bool was_inside = false;  // its centre, where it starts: it has no way in
-  Real depth = 0;           // where the stage is predicted to end, m: of the plane through where it touched
+  bool was_inside = false;  // true if its centre was inside at the start, so that there is no entry
+  Real depth = 0;           // depth at the predicted end of the stage against the plane of the touch, m
   Vec3 n_W = Vec3::UnitZ();
 };
 
@@ -60,7 +60,9 @@ inline SweptContact swept(const PlacedShape& shape, const Vec3& p_W, const Vec3&
   if (!(start.distance > 0)) return {.was_inside = true};
   Real left =
       remaining_at_touch(way, sweep_tolerance * r, [&](Real part) noexcept { return r - at(part).distance; });
-  if (left < 0 && start.distance < r && start.n.dot(back_W) > r) left = 1;  // in touch, and on through
+  if (left < 0 && start.distance < r && start.n.dot(back_W) > r)
+    left = 1;  // in touch, and moving on through
+               // the surface
   if (left < 0) return {};
   const SurfacePoint s = at(left);
   return {.touches = true, .depth = r - s.distance + left * s.n.dot(back_W), .n_W = s.n};

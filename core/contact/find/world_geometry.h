@@ -16,9 +16,10 @@ struct ContactFinder {
   static_assert(max_spheres + max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
-    std::uint32_t tree = 0;           // of the bodies on joints that do not touch each other
-    Real travel = 0;                  // bound of how far its spheres move in the stage, m
-    Real farthest = 0, smallest = 0;  // of its spheres: distance from the centre of mass, radius, m
+    std::uint32_t tree = 0;           // tree of joints whose bodies do not touch each other
+    Real travel = 0;                  // bound of the motion of its spheres in the stage, m
+    Real farthest = 0, smallest = 0;  // of its spheres: largest distance from the centre of mass, smallest
+                                      // radius, m
     Twist beyond_predicted;           // its velocity without contacts minus the predicted one
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
@@ -29,11 +30,11 @@ struct ContactFinder {
   Real since() const noexcept { return h + extrapolated; }
 
   std::array<Owned, N> owned;
-  Real h = 0;             // of the stage, s
-  Real extrapolated = 0;  // s, by which its base is ahead of where anything has been
+  Real h = 0;             // length of the stage, s
+  Real extrapolated = 0;  // extrapolation of its base beyond the last solved place, s
   // contact memory of the previous step, and of the previous stage if it is in this step
   const ContactMemories<Contacts::max_contacts>*before = nullptr, *of_stage = nullptr;
-  std::size_t num_fixed = 0;      // surfaces of the world
+  std::size_t num_fixed = 0;      // number of surfaces of the world
   bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
                                   // contacts are searched
   std::array<TreePlace, N> at;

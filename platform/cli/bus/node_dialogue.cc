@@ -10,9 +10,7 @@ namespace godobject {
 
 void add_node_options(CLI::App& verb, NodeOptions& options) {
   add_dialogue_options(verb, options.dialogue);
-  verb.add_option("--node", options.node, "address this node-ID, 1 to 127")
-      ->required()
-      ->check(CLI::Range(1, 127));
+  verb.add_option("--node", options.node, "address this node-ID")->required()->check(CLI::Range(1, 127));
   verb.add_option("--host-node", options.host_node, "watch for the heartbeat of a host with this node-ID")
       ->check(CLI::Range(1, 127))
       ->capture_default_str();

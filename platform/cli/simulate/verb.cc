@@ -91,7 +91,7 @@ ExitCode simulate(const SimulateOptions& options) {
 
 void add_options(CLI::App& verb, SimulateOptions& options) {
   verb.add_option("SCENE", options.scene,
-                  "scene file (TOML) with a device on buses or with trackers, see docs/scenes.md")
+                  "read this scene file (TOML) with a device on buses or with trackers, see docs/scenes.md")
       ->required();
   verb.add_option(
       "--bus", options.buses,

@@ -66,7 +66,7 @@ void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
       "Print the load of a scene's buses, nominal and worst case, message by message; fail above 70 %.");
   const auto options = std::make_shared<BusLoadOptions>();
   options->faults = checks;
-  verb->add_option("SCENE", options->scene, "scene file (TOML), see docs/scenes.md")->required();
+  verb->add_option("SCENE", options->scene, "read this scene file (TOML), see docs/scenes.md")->required();
   verb->add_flag("--json", options->json, "print JSON");
   verb->add_flag("--allow-overload", options->allow_overload,
                  "return exit code 0 even above 70 % in the worst case");

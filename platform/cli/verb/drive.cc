@@ -268,7 +268,9 @@ void add_move(CLI::App& verb, const std::shared_ptr<DriveOptions>& options, Exit
           "--torque", options->torque,
           "apply this torque, per mille of the rated torque 6076h (CST, 6071h); at most 50 without --limit")
       ->check(number_in(-largest_per_mille, largest_per_mille));
-  moving->add_option("--duration", options->move.duration, "s")->required()->check(number_in(0.1, 60));
+  moving->add_option("--duration", options->move.duration, "move for this time, s")
+      ->required()
+      ->check(number_in(0.1, 60));
   moving->add_option("--limit", options->limit, "allow values up to this one, in the unit of the value")
       ->check(number_above(0, largest_counts));
   moving

@@ -219,9 +219,7 @@ void add_lss(CLI::App& app, ExitCode& code) {
   verb->fallthrough();
 
   CLI::App* node_id = verb->add_subcommand("node-id", "Set the node's ID.");
-  node_id->add_option("ID", options->node_id, "set this node-ID, 1 to 127")
-      ->required()
-      ->check(CLI::Range(1, 127));
+  node_id->add_option("ID", options->node_id, "set this node-ID")->required()->check(CLI::Range(1, 127));
   node_id->add_flag("--alone", options->alone, "skip the search for other nodes on the bus");
   node_id->callback([options, &code] { code = set_node_id(*options); });
 

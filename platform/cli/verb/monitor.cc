@@ -158,7 +158,7 @@ void redraw(const Monitor& monitor) {
   if (lines.size() > room) {
     const std::size_t hidden = lines.size() - room + 1;
     lines.resize(room - 1);
-    lines.push_back("... " + std::to_string(hidden) + " more lines: a higher terminal, or --plain");
+    lines.push_back("... " + std::to_string(hidden) + " more lines: enlarge the terminal, or use --plain");
   }
   std::string text = "\033[H";
   for (const std::string& line : lines) text += line.substr(0, size.ws_col) + "\033[K\n";

@@ -129,7 +129,7 @@ ExitCode run(RunOptions options) {
 
 // NOLINTNEXTLINE(readability-function-size): a list
 void add_run_options(CLI::App& verb, RunOptions& options) {
-  verb.add_option("SCENE", options.scene, "scene file (TOML), see docs/scenes.md")->required();
+  verb.add_option("SCENE", options.scene, "read this scene file (TOML), see docs/scenes.md")->required();
   auto* realtime = verb.add_flag("--realtime", options.realtime,
                                  "run in wall time: one cycle per period on a real-time thread, with a "
                                  "status line; implied by real buses");

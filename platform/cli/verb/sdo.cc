@@ -75,12 +75,11 @@ void add_sdo(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("sdo", "Read or write one object of a CANopen node.");
   const auto options = std::make_shared<SdoOptions>();
   add_dialogue_options(*verb, options->dialogue);
-  verb->add_option("--node", options->node, "address this node-ID, 1 to 127")
-      ->required()
-      ->check(CLI::Range(1, 127));
+  verb->add_option("--node", options->node, "address this node-ID")->required()->check(CLI::Range(1, 127));
   verb->require_subcommand(1);
   verb->fallthrough();
-  constexpr const char* object_help = "INDEX or INDEX:SUB, hexadecimal, as 6077 or 1018:01";
+  constexpr const char* object_help =
+      "address this object: INDEX or INDEX:SUB, hexadecimal, as 6077 or 1018:01";
 
   CLI::App* reading = verb->add_subcommand("read", "Print an object's value.");
   reading->add_option("OBJECT", options->object, object_help)->required();
@@ -92,7 +91,9 @@ void add_sdo(CLI::App& app, ExitCode& code) {
 
   CLI::App* writing = verb->add_subcommand("write", "Write a value to an object.");
   writing->add_option("OBJECT", options->object, object_help)->required();
-  writing->add_option("VALUE", options->value, "decimal, or hexadecimal with 0x; hex: bytes in their order")
+  writing
+      ->add_option("VALUE", options->value,
+                   "write this value: decimal, or hexadecimal with 0x; with --type hex: bytes in their order")
       ->required();
   writing
       ->add_option("--type", options->type, "write the value as this type, which must have the object's size")

@@ -291,7 +291,7 @@ struct OldOutput {
 template <class S>
 struct OldScratch {
   using T = Lanes<S>;
-  std::array<Pull, S::max_bodies> pulls;
+  std::array<CouplingInput, S::max_bodies> pulls;
   std::array<Next<S>, max_groups<S>> next;
   std::array<TargetOf<T>, max_groups<S>> inside;
   std::array<RigidBodyStateOf<T>, max_groups<S>> bases;

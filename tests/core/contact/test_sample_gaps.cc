@@ -169,7 +169,7 @@ TYPED_TEST(SampleGaps, TimeWithoutAStepIsOne) {
       pass_time(x, missed * h, h);
       EXPECT_NEAR(x.last.X_WD.p.x(), missed <= bridged_steps ? missed * h : 0, 1e-15);
       Limited limited = Limited::none;
-      const Pull pull = begin_pull({}, x, true, true, h, limited);
+      const CouplingInput pull = begin_coupling_input({}, x, true, true, h, limited);
       EXPECT_EQ(pull.gap.showing, Showing::capped) << missed;
       EXPECT_EQ(pull.fresh, missed > bridged_steps) << missed;
     }

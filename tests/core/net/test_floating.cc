@@ -84,7 +84,7 @@ void keeps_its_motion() {
     Random random(seed);
     auto run = thrown<S>(seed, random.log_uniform(5e-3, 0.5), world, caps[seed % 3]);
     const auto& par = run->par;
-    ASSERT_EQ(par.net.num_floating, 1u);
+    ASSERT_EQ(par.net.num_rows, 1u);
     const Motion first = motion_of(*run);
     EnergyBalance<S> balance;
     balance.start(par, run->x);
@@ -194,13 +194,13 @@ TEST(NetFloating, IsNotANetThatIsHeld) {
     add_sheet(par, {.m = 1e-3, .k = 100, .k_a = all ? 10.0 : 0.0, .g_a = 0.04}, 4, 4, 0.01);
     par.net.nodes[5].k = 10;
     add_sheet(par, {.m = 1e-3, .k = 100, .g_a = 0.04}, 3, 3, 0.01);
-    ASSERT_EQ(par.net.num_floating, 2u);
-    EXPECT_FALSE(floats(par.net, par.net.floating[0]));
-    EXPECT_TRUE(floats(par.net, par.net.floating[1]));
-    EXPECT_EQ(par.net.floating[1].first, 16u);
-    EXPECT_EQ(par.net.floating[1].end, 25u);
+    ASSERT_EQ(par.net.num_rows, 2u);
+    EXPECT_FALSE(floats(par.net, par.net.rows[0]));
+    EXPECT_TRUE(floats(par.net, par.net.rows[1]));
+    EXPECT_EQ(par.net.rows[1].first, 16u);
+    EXPECT_EQ(par.net.rows[1].end, 25u);
     par.net.nodes[20].k = 10;  // an anchor that is set after put_in_order() counts
-    EXPECT_FALSE(floats(par.net, par.net.floating[1]));
+    EXPECT_FALSE(floats(par.net, par.net.rows[1]));
   }
 }
 

@@ -149,7 +149,7 @@ TEST(SetUp, EndsWhereTheNodeBootsForEver) {
   const std::vector<std::string> errors = setting.run([&](Nanoseconds t) {
     if (t % (20 * ms) == 0) setting.drive().power_cycle(setting.sim.now);
   });
-  EXPECT_THAT(errors, testing::ElementsAre(HasSubstr("booted again and again while it was set up")));
+  EXPECT_THAT(errors, testing::ElementsAre(HasSubstr("while it was set up: check its supply voltage")));
 }
 
 /// A node that simulates the device of a profile passes its identity and torque checks.

@@ -1,4 +1,4 @@
-// Prescribed joints of the scene: they follow the device's joints of the same names.
+// Samples of the prescribed joints of the scene, which follow the device's joints of the same names.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@
 
 namespace godobject {
 
-class JointPrescriber {
+class PrescribedSamples {
  public:
-  JointPrescriber() = default;
+  PrescribedSamples() = default;
   /// Allocates; the other functions do not. scene: each coordinate of its prescribed joints must be a joint
   /// of the device's rig.
-  explicit JointPrescriber(const SceneConfig& scene);
+  explicit PrescribedSamples(const SceneConfig& scene);
 
   /// Writes the device's coordinates into the samples of the joints' children. valid: true if the device's
   /// sample is valid.

@@ -1,10 +1,10 @@
-#include "platform/device/prescribed_joints.h"
+#include "platform/device/prescribed_samples.h"
 
 #include <algorithm>
 
 namespace godobject {
 
-JointPrescriber::JointPrescriber(const SceneConfig& scene) {
+PrescribedSamples::PrescribedSamples(const SceneConfig& scene) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   if (!driven.empty()) first_driven_ = driven.front();
   for (const JointConfig& joint : scene.joints) {
@@ -19,8 +19,8 @@ JointPrescriber::JointPrescriber(const SceneConfig& scene) {
   }
 }
 
-void JointPrescriber::write(const JointTarget& device, bool valid,
-                            std::span<BodySample> samples) const noexcept {
+void PrescribedSamples::write(const JointTarget& device, bool valid,
+                              std::span<BodySample> samples) const noexcept {
   for (const Joint& joint : joints_) {
     BodySample& sample = samples[joint.body];
     sample.valid = valid;

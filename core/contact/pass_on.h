@@ -1,0 +1,193 @@
+// Forces that move bodies and nets beyond those of their contacts by (22) and (23), as forces of these contacts.
+//
+// An iteration that ends with a residual moves bodies and nodes by this residual. Contacts can bear it: they make a
+// tree of bodies and nets, from whose leaves each end adds its force to one contact and passes it on to the next end.
+#pragma once
+
+#include "core/contact/pairs.h"
+
+namespace godobject {
+
+/// A contact or an attachment, by its ends: bodies, or nets of the world that float, numbered behind the bodies.
+struct Link {
+  static constexpr std::uint32_t on_world = NetContactTerm::on_world;
+  enum class Kind : std::uint8_t { contact, of_node, attachment };
+  std::uint32_t a = 0, b = on_world;
+  Kind kind = Kind::contact;
+  std::uint32_t k = 0;  // number of the near contact
+};
+
+/// Number of ends that links may have.
+template <class Contacts, std::size_t N>
+constexpr std::size_t max_ends() noexcept {
+  if constexpr (Contacts::has_net) return N + Contacts::Net::max_nodes / 2 + 1;
+  else return N;
+}
+
+/// Returns the end that a node belongs to: its carrier, or the net of the world that floats. Other nodes are held by
+/// anchors, as by the world.
+template <class Contacts, std::size_t N>
+std::uint32_t end_of_node(std::uint32_t node, const BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto& par = *w.net.par;
+  if (par.nodes[node].body != world) return static_cast<std::uint32_t>(par.nodes[node].body);
+  for (std::size_t k = 0; k < par.num_rows; ++k)
+    if (par.rows[k].holds(node))
+      return w.net.rows[k].is_free ? static_cast<std::uint32_t>(N + k) : Link::on_world;
+  return Link::on_world;
+}
+
+/// Calls f(link) for all near contacts and attachments. Their ends a are not the world.
+template <class Contacts, std::size_t N, class F>
+void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
+  for (std::uint32_t k = 0; k < w.near.size; ++k) {
+    const NearContact& near = w.near.list[k];
+    f(Link{.a = near.a, .b = near.b < N ? near.b : Link::on_world, .k = k});
+  }
+  if constexpr (Contacts::has_net) {
+    const auto of_node = [&](std::uint32_t node, std::uint32_t b, Link::Kind kind, std::uint32_t k) noexcept {
+      const std::uint32_t a = end_of_node(node, w);
+      if (a == b) return;
+      if (a == Link::on_world) f(Link{.a = b, .kind = kind, .k = k});
+      else f(Link{.a = a, .b = b, .kind = kind, .k = k});
+    };
+    if (w.net.num_nodes == 0) return;
+    for (std::uint32_t k = 0; k < w.net.near.size; ++k)
+      of_node(w.net.near.list[k].a, w.net.near.list[k].b, Link::Kind::of_node, k);
+    for (const NetContactTerm& one : w.net.attached()) of_node(one.node, one.body, Link::Kind::attachment, 0);
+  }
+}
+
+/// Adds F_W to the near contact with the largest force of those that are alike contact k, and returns this contact.
+/// of: the near contacts. forces: of these. are_alike(a, b): true if two near contacts have the same ends.
+template <class Near, class Forces, class AreAlike>
+const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& of, Forces& forces,
+                                  AreAlike are_alike) noexcept {
+  std::uint32_t bearing = k;
+  Real most = 0;
+  for (std::uint32_t i = 0, n = 0; i < of.size && n < forces.size; ++i) {
+    while (n < forces.size && forces.list[n].key < of.list[i].key) ++n;
+    if (n == forces.size || forces.list[n].key != of.list[i].key || !are_alike(of.list[i], of.list[k]))
+      continue;
+    const Real F_sq = forces.list[n].F_W.squaredNorm();
+    if (F_sq > most) {
+      most = F_sq;
+      bearing = i;
+    }
+  }
+  const NearContact& one = of.list[bearing];
+  ContactForces<1> more;
+  more.size = 1;
+  more.list[0] = {
+      .key = one.key, .on = one.on, .a = one.a, .b = one.b, .p_W = one.p_W, .n_W = one.n_W, .F_W = F_W};
+  forces.add(more, 1);
+  return one;
+}
+
+/// Forces on ends, N. F_W: by which they move beyond those of their contacts. given: added to their contacts and
+/// attachments so far. by_net: the share of `given` on their nodes and by attachments.
+template <class Contacts, std::size_t N>
+struct Missing {
+  static constexpr std::size_t max = max_ends<Contacts, N>();
+  std::array<Vec3, max> F_W, given, by_net;
+
+  Missing() noexcept {
+    for (auto* all : {&F_W, &given, &by_net}) all->fill(Vec3::Zero());
+  }
+};
+
+/// True if the link acts on the end i by its nodes or by an attachment: its wrench has no such forces.
+template <class Contacts, std::size_t N>
+bool is_by_net(const Link& link, std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
+  if constexpr (Contacts::has_net)
+    if (link.kind == Link::Kind::of_node) return w.net.near.list[link.k].b != i;
+  return link.kind == Link::Kind::attachment;
+}
+
+/// Adds F_W on the end i to the contact of a link, and its opposite to the other end.
+template <class Contacts, std::size_t N>
+void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
+                 BodyContactScratch<Contacts, N>& w) noexcept {
+  const std::uint32_t next = link.a == i ? link.b : link.a;
+  if (link.kind == Link::Kind::contact) {
+    add_to_bearing(
+        link.k, w.near.list[link.k].a == i ? F_W : Vec3(-F_W), w.near, w.forces,
+        [](const NearContact& a, const NearContact& b) noexcept { return pair_of(a) == pair_of(b); });
+    w.wrenches[i].f += F_W;
+    if (next < N) w.wrenches[next].f -= F_W;
+  }
+  if constexpr (Contacts::has_net) {
+    if (link.kind != Link::Kind::of_node) return;
+    const auto are_alike = [&](const NearContact& a, const NearContact& b) noexcept {
+      return a.b == b.b && end_of_node(a.a, w) == end_of_node(b.a, w);
+    };
+    const Vec3 on_node = is_by_net(link, i, w) ? F_W : Vec3(-F_W);
+    const NearContact& one = add_to_bearing(link.k, on_node, w.net.near, w.net.forces, are_alike);
+    if (one.b < N) w.wrenches[one.b].f -= on_node;
+    // a body moves by its missing force as by one through its centre of mass
+    const std::uint32_t carrier = end_of_node(one.a, w);
+    if (carrier < N) w.wrenches[carrier].tau -= w.net.r[one.a].vec().cross(on_node);
+  }
+}
+
+/// Adds to each end the force that it misses, along a tree of links, and passes it on to the next end. Roots are ends that touch
+/// the world, which bears the rest; otherwise those that are joined; otherwise any.
+template <class Contacts, std::size_t N>
+void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
+  constexpr std::size_t max = Missing<Contacts, N>::max;
+  std::array<std::uint32_t, max> order;  // ends of a tree
+  std::array<Link, max> by;              // to the one before
+  std::array<bool, max> has_link, is_reached{};
+  std::uint32_t num_ends = N;
+  if constexpr (Contacts::has_net)
+    if (w.net.num_nodes > 0) num_ends += static_cast<std::uint32_t>(w.net.par->num_rows);
+  const auto joined = [&](std::uint32_t i) noexcept { return i < N && is_joined(i, w); };
+  for (const int rank : {0, 1, 2})
+    for (std::uint32_t root = 0; root < num_ends; ++root) {
+      if (is_reached[root]) continue;
+      bool is_on_world = false;
+      Link on_world;
+      each_link(w, [&](const Link& link) noexcept {
+        if (link.a != root || link.b != Link::on_world) return;
+        if (is_on_world && link.kind == Link::Kind::attachment) return;
+        is_on_world = true;
+        on_world = link;
+      });
+      if (rank != (is_on_world ? 0 : joined(root) ? 1 : 2)) continue;
+      std::size_t size = 0;
+      const auto reach = [&](std::uint32_t i, bool has, const Link& link) noexcept {
+        if (is_reached[i]) return;
+        is_reached[i] = true;
+        has_link[size] = has;
+        by[size] = link;
+        order[size++] = i;
+      };
+      reach(root, is_on_world, on_world);
+      for (std::size_t n = 0; n < size; ++n)
+        each_link(w, [&](const Link& link) noexcept {
+          if (link.b == Link::on_world) return;
+          if (link.a == order[n]) reach(link.b, true, link);
+          else if (link.b == order[n]) reach(link.a, true, link);
+        });
+      for (std::size_t n = size; n-- > 0;) {
+        const std::uint32_t i = order[n];
+        const Vec3 F_W = missing.F_W[i];
+        if (F_W.isZero(0)) continue;
+        if (!has_link[n]) {
+          if (i < N && !joined(i)) w.wrenches[i].f += F_W;
+          continue;
+        }
+        add_to_link(by[n], i, F_W, w);
+        const std::uint32_t next = by[n].a == i ? by[n].b : by[n].a;
+        const auto give = [&](std::uint32_t to, const Vec3& F) noexcept {
+          missing.given[to] += F;
+          if (is_by_net(by[n], to, w)) missing.by_net[to] += F;
+        };
+        give(i, F_W);
+        if (next == Link::on_world) continue;
+        give(next, -F_W);
+        missing.F_W[next] += F_W;
+      }
+    }
+}
+
+}  // namespace godobject
