@@ -1,18 +1,18 @@
-// Steps whose energy rises out of all measure. Such a step is a failed solve, whatever its cause, and is not
+// Rejection of steps with an excessive rise of energy. Such a step is a failed solve of any cause, and is not
 // taken.
 //
 //   (58)  T+ <= c (T + U + W)
 //
-// T, T+: kinetic energy before and after the step. U: energy of all springs. W: a bound of the work that
-// gravity, targets, applied forces and prescribed joints may do in the step. c is far above 1: smaller gains
-// are left to the balance of energy (38).
+// T, T+: kinetic energy before and after the step. U: energy of all springs. W: bound of the work of gravity,
+// targets, applied forces and prescribed joints in the step. c is far above 1: smaller gains are left to the
+// energy balance (38).
 #pragma once
 
 #include "core/energy_balance.h"
 
 namespace godobject {
 
-/// Mass and inertia of the whole scene, for the energy of a prescribed motion that takes everything along.
+/// Mass and inertia of the whole scene, for the energy of a prescribed motion that moves all of it.
 class Whole {
  public:
   template <Scene S>
@@ -33,7 +33,7 @@ class Whole {
     each([&](Real m, const Vec3& p_W) noexcept { I_ += m * (p_W - c_W_).squaredNorm(); });
     for (std::size_t i = 0; i < num_bodies(par); ++i) I_ += par.bodies[i].body.I_B.trace();
   }
-  /// Bound of the kinetic energy at the speed v of the point p_W and the angular speed w, J.
+  /// Returns a bound of the kinetic energy at the speed v of the point p_W and the angular speed w, J.
   Real energy(const Vec3& p_W, Real v, Real w) const noexcept {
     return m_ * v * v + (I_ + m_ * (p_W - c_W_).squaredNorm()) * w * w;
   }
@@ -54,7 +54,7 @@ struct NextMotions {
   const Vec3& net_node(std::size_t n) const noexcept { return w.net.next[n].v_W; }
 };
 
-/// (58)  W of the coupling and of the applied wrench of body i, J.
+/// Returns W of the coupling and the applied wrench of body i (58), J.
 template <Scene S>
 Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
                     [[maybe_unused]] const Scratch<S>& w, [[maybe_unused]] const Whole& whole,
@@ -65,7 +65,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
     const Pose& X_WB = x.bodies[i].x.X_WB;
     const Target &from = w.coupling_inputs[i].from, &to = w.coupling_inputs[i].to;
     if (pulls(spring)) {
-      // the cubic (15) of TR-BDF2 swings out beyond both ends by what their velocities are
+      // the cubic (15) of TR-BDF2 overshoots both ends, in proportion to their velocities
       const auto angle = [](const Quat& a, const Quat& b) noexcept {
         return rotation_error(a, b, Vec3::Zero()).phi_B.norm();
       };
@@ -86,7 +86,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
   return W;
 }
 
-/// (58)  W of a prescribed joint of body i, and of one that is apart and is closed, J.
+/// Returns W of a prescribed joint of body i, and of the correction of a violated one (58), J.
 template <Scene S>
 Real work_of_joint([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
                    [[maybe_unused]] const Scratch<S>& w, [[maybe_unused]] const Whole& whole,
@@ -108,8 +108,8 @@ Real work_of_joint([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const
   return W;
 }
 
-/// (58)  U of contacts, J: a bound, since a contact that has opened in the step has no law any more. The stiffest law
-/// serves all; one that is found deeper (35) holds what pushes everything out.
+/// Returns U of contacts (58), J: a bound, because contacts that opened in the step have no law any more. The
+/// stiffest law is used for all. A contact with unexplained penetration (35) may hold energy of push-out.
 template <Scene S>
 Real energy_of_contacts([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
                         [[maybe_unused]] const Whole& whole) noexcept {
@@ -135,7 +135,7 @@ Real energy_of_contacts([[maybe_unused]] const Params<S>& par, [[maybe_unused]] 
   return U;
 }
 
-/// True if the step of w.next breaks (58).
+/// True if the step of w.next violates (58).
 template <Scene S>
 [[gnu::noinline]] bool rises_out_of_measure(const Params<S>& par, const State<S>& x, const Scratch<S>& w,
                                             Real T, Real T_after) noexcept {
@@ -148,7 +148,7 @@ template <Scene S>
   return T_after > max_rise * (at_hand + gain_floor);
 }
 
-/// True if the step is to be refused by (58). Motion that has grown little needs no look at springs and work.
+/// True if the step must be rejected by (58). If motion has grown little, springs and work are not evaluated.
 template <Scene S>
 bool rises_out_of_measure(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
   const Real T = EnergyBalance<S>::kinetic(par, x), T_after = kinetic_energy_of(par, NextMotions<S>{w});

@@ -10,7 +10,7 @@
 //     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; optional, default: no contacts
 //     using Nodes = NodeList<25>;                 // particles; optional
 //     using Terms = TermList<DampedSprings<40>>;  // other forces; optional
-//     using Net = MassSpringNet<1000, 3000, 300>;  // deformable tools and organs; needs BodyContacts; optional
+//     using Net = MassSpringNet<1000, 3000, 300>;  // deformable bodies; needs BodyContacts; optional
 //   };
 //   static_assert(Scene<Peg>);
 #pragma once

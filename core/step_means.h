@@ -1,14 +1,15 @@
-// Contacts and joints over a step. Velocities change by the forces of all stages of an integrator, each with its share of the
-// step, and so by their mean: times h it is the momentum that they have given.
+// Means over a step of contact and joint forces. Velocities change by the forces of all stages, each with its
+// share of the step. The mean times h is therefore the change of momentum.
 //
-//   (13)  v_n+1 - v_n = h (b K_0 + b K_1 + d K_2),  so  F = b F_0 + b F_1 + d F_2;  F_0 of the last stage of the step before
+//   (13)  v_n+1 - v_n = h (b K_0 + b K_1 + d K_2),  so  F = b F_0 + b F_1 + d F_2;
+//         F_0 of the last stage of the step before
 #pragma once
 
 #include "core/stage.h"
 
 namespace godobject {
 
-/// Contacts or joints bear forces in the scene.
+/// True if contacts or joints carry forces in the scene.
 template <class S>
 inline constexpr bool has_means = uses<ContactsOf<S>> || uses<typename S::Joints>;
 
@@ -18,7 +19,7 @@ inline void add_share(const Wrench& F, Real share, Wrench& mean) noexcept {
   mean.f += share * F.f;
 }
 
-/// Adds what contacts and joints bear in the solved stage, which is this share of the step.
+/// Adds the contact and joint forces of the solved stage, which is this share of the step.
 template <Scene S>
 void add_to_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] Real share,
                   [[maybe_unused]] Scratch<S>& w) noexcept {
@@ -33,7 +34,7 @@ void add_to_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] Real s
   }
 }
 
-/// Begins the means of a step, with this share of the forces of the last stage of the step before.
+/// Begins the means of a step with the given share of the forces of the previous step's last stage.
 template <Scene S>
 void begin_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
                  [[maybe_unused]] Real share, [[maybe_unused]] Scratch<S>& w) noexcept {
@@ -52,7 +53,7 @@ void begin_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const S
   }
 }
 
-/// Gives the stages so far factor times their shares.
+/// Multiplies the shares of the stages so far by a factor.
 template <Scene S>
 void scale_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] Real factor,
                  [[maybe_unused]] Scratch<S>& w) noexcept {

@@ -7,8 +7,8 @@
 namespace godobject {
 
 /// Returns the law of contacts in a stage of length h.
-/// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s. on_world: e may be below the depth
-/// without bound.
+/// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s.
+/// on_world: e may be below the depth without bound.
 template <class Contacts>
 StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
                            bool on_world) noexcept {
@@ -76,8 +76,8 @@ inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noex
       [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
 }
 
-/// Returns the laws of near contacts. law_of(contact): its law. mostly: the most frequent law, `law` in the
-/// stage; others are stage_law(law). Contacts in unused lanes carry no force.
+/// Returns the laws of near contacts. law_of(contact): its law. common_law: the most frequent law, `law` in
+/// the stage; others are stage_law(law). Contacts in unused lanes carry no force.
 template <class LawOf, class OfStage>
 StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, const StageLawOf<Real>& law,
                          LawOf law_of, OfStage stage_law) noexcept {

@@ -1,4 +1,4 @@
-// Forces of contacts, one by one: those of a stage, and their means over a step.
+// Forces of single contacts: those of a stage, and their means over a step.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace godobject {
 
-/// The force of one contact.
+/// Force of one contact.
 struct ContactForce {
   std::uint64_t key = 0;
   std::uint32_t on = 0;        // number of the surface or sphere that is touched
@@ -19,7 +19,7 @@ struct ContactForce {
   Vec3 F_W = Vec3::Zero();     // on a, N
 };
 
-/// By rising keys.
+/// Forces of contacts, by rising keys.
 template <std::size_t max_contacts>
 struct ContactForces {
   std::array<ContactForce, max_contacts> list;
@@ -35,7 +35,8 @@ struct ContactForces {
     for (std::size_t i = 0; i < size; ++i) list[i].F_W *= factor;
   }
 
-  /// Adds share times the forces of a stage. Each contact keeps its newest place. New contacts without room are left out.
+  /// Adds share times the forces of a stage. Each contact keeps its newest place. New contacts beyond the
+  /// capacity are left out.
   template <std::size_t max_others>
   void add(const ContactForces<max_others>& stage, Real share) noexcept {
     std::size_t num_new = 0;

@@ -66,8 +66,8 @@ void find_mode_changes(Real t_max, const Island& island, BodyContactScratch<Cont
   });
 }
 
-/// Finds t in [0, t_max] with -tolerance <= dE/dt <= 0 by Newton's method safeguarded with bisection. dE/dt is
-/// monotone because E is convex. Newton starts at 1, and t_max >= 1.
+/// Finds t in [0, t_max] with -tolerance <= dE/dt <= 0 by Newton's method from t = 1, safeguarded with
+/// bisection. dE/dt is monotone because E is convex. t_max >= 1.
 template <class Slope>
 Real exact_line_search(Real t_max, Real tolerance, Slope slope_at) noexcept {
   Real lo = 0, hi = t_max, t = 1;

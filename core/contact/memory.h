@@ -149,7 +149,8 @@ struct InitialContactOf {
                     // the previous one
 };
 
-/// Returns the relaxed rest penetration: decreases by at most max_decrease, never below d - max_lag nor below 0 (35).
+/// Returns the relaxed rest penetration (35): decreases by at most max_decrease, never below d - max_lag nor
+/// below 0.
 template <class T>
 T relax_offset(const T& e, const T& d, const T& max_decrease, const T& max_lag) noexcept {
   return max(min(e, max(e - max_decrease, d - max_lag)), T(0));

@@ -206,7 +206,7 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
     if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
 }
 
-/// A body on a joint, or on which others hang: joints bear what its contacts do not.
+/// True for a parent or child of a joint; joints carry forces that its contacts do not.
 template <class Contacts, std::size_t N>
 bool is_joined(std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
   if constexpr (Contacts::jointed) return w.graph.joints.joined[i];

@@ -1,14 +1,16 @@
-// Forces that move bodies and nets beyond those of their contacts by (22) and (23), as forces of these contacts.
+// Residual motion of bodies and nets beyond their contact forces (22), (23), attributed to their contacts as
+// forces.
 //
-// An iteration that ends with a residual moves bodies and nodes by this residual. Contacts can bear it: they make a
-// tree of bodies and nets, from whose leaves each end adds its force to one contact and passes it on to the next end.
+// An iteration that ends with a residual moves bodies and nodes by it. Contacts carry this residual: they
+// form a tree of bodies and nets. From the leaves on, each end adds its force to one contact and passes it on
+// to the next end.
 #pragma once
 
 #include "core/contact/pairs.h"
 
 namespace godobject {
 
-/// A contact or an attachment, by its ends: bodies, or nets of the world that float, numbered behind the bodies.
+/// Contact or attachment between two ends: bodies, or floating nets of the world, numbered after the bodies.
 struct Link {
   static constexpr std::uint32_t on_world = NetContactTerm::on_world;
   enum class Kind : std::uint8_t { contact, of_node, attachment };
@@ -24,8 +26,8 @@ constexpr std::size_t max_ends() noexcept {
   else return N;
 }
 
-/// Returns the end that a node belongs to: its carrier, or the net of the world that floats. Other nodes are held by
-/// anchors, as by the world.
+/// Returns the end that a node belongs to: its carrier, or its floating net of the world. Other nodes are
+/// held by anchors, as by the world.
 template <class Contacts, std::size_t N>
 std::uint32_t end_of_node(std::uint32_t node, const BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& par = *w.net.par;
@@ -57,7 +59,8 @@ void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
   }
 }
 
-/// Adds F_W to the near contact with the largest force of those that are alike contact k, and returns this contact.
+/// Adds F_W to the contact with the largest force among those with the same ends as contact k, and returns
+/// it.
 /// of: the near contacts. forces: of these. are_alike(a, b): true if two near contacts have the same ends.
 template <class Near, class Forces, class AreAlike>
 const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& of, Forces& forces,
@@ -83,8 +86,8 @@ const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& 
   return one;
 }
 
-/// Forces on ends, N. F_W: by which they move beyond those of their contacts. by_net: added to contacts of their nodes
-/// and to attachments, and so in no wrench.
+/// Forces on ends, N. F_W: missing forces, which move the ends beyond their contact forces. by_net: forces
+/// added to contacts of their nodes and to attachments, which are in no wrench.
 template <class Contacts, std::size_t N>
 struct Missing {
   static constexpr std::size_t max = max_ends<Contacts, N>();
@@ -130,8 +133,8 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
   }
 }
 
-/// Adds to each end the force that it misses, along a tree of links, and passes it on to the next end. Roots are ends that touch
-/// the world, which bears the rest; otherwise those that are joined; otherwise any.
+/// Adds to each end its missing force, along a tree of links, and passes it on to the next end. Roots are
+/// ends in contact with the world, which carries the rest; otherwise jointed ends; otherwise any.
 template <class Contacts, std::size_t N>
 void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr std::size_t max = Missing<Contacts, N>::max;

@@ -37,8 +37,8 @@ inline HoldingState state_after(const GripInput& input) noexcept {
 ///         X_WD X_DB, which moves with w_D and v_D + w_D x R_WD p_DB.
 ///
 /// The initial pose error is therefore zero for any motion of the two. The damping of their relative velocity
-/// rises with the ramp (14). After a gap longer than max_gap_with_grip the body is gripped again at its current
-/// pose. While `engaged` is false, the target is the device's pose.
+/// rises with the ramp (14). After a gap longer than max_gap_with_grip the body is gripped again at its
+/// current pose. While `engaged` is false, the target is the device's pose.
 ///
 /// One device may grip any of several bodies: all of them get its sample, and `engaged` is true for the
 /// gripped one.

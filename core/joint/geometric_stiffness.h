@@ -70,8 +70,8 @@ void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matr
   b += K * w;
 }
 
-/// Stiffness that a joint adds to A of its bodies: for rotations of the parent, for rotations of the child,
-/// and for the rate of its slide. The slide's leaves the momentum of both bodies unchanged.
+/// Stiffness that a joint adds to A of its bodies, for rotations of the parent and of the child, and for its
+/// slide. The slide's leaves the momentum of both bodies unchanged.
 struct JointStiffness {
   Block parent = Block::zero();
   Real turn = 0, slide = 0;

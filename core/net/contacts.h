@@ -198,7 +198,7 @@ void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
 template <class Contacts, std::size_t N>
 void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  // nodes have moved little since the previous stage, so its factor is as good a preconditioner
+  // nodes have moved little since the previous stage, so its factor is as good
   const bool is_factored = !first || (w.stage.continues_step && net.factored_h == h);
   if (!is_factored) {
     gather_net_contacts(h, net);
@@ -227,7 +227,7 @@ void to_world_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   });
 }
 
-/// What contacts of nets carry over, their forces on bodies and what they say.
+/// Stores the memory of contacts of nets, their forces on bodies, and the report.
 template <class Contacts, std::size_t N>
 void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
@@ -245,7 +245,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     report.deepest = std::max(report.deepest, depth);
     const bool bears = near.n_W.dot(F) > 0;
     if (bears) ++report.num_contacts;
-    // what a joint bears has the rest: forces that pull, within the tolerance of the iterations
+    // a joint carries the rest: forces that pull, within the tolerance of the iterations
     bool counts = bears;
     if constexpr (Contacts::jointed)
       counts = bears || near.b == NetContactTerm::on_world || !w.graph.joints.joined[near.b];
@@ -273,8 +273,8 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   if (net.num_nodes > 0) report_unbalanced_net(h, w);
 }
 
-/// Adds the residual of an iteration, as a force, to the contacts of the bodies and floating nets that it has moved. Joints bear
-/// that of their bodies.
+/// Adds the residual of an iteration, as a force, to the contacts of the bodies and floating nets that it has
+/// moved. Joints carry that of their bodies.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
@@ -300,7 +300,7 @@ template <class Contacts, std::size_t N>
   for (std::size_t i = 0; i < N; ++i) net.passed_on[i].v = Column(Vec3(missing.by_net[i] * h));
 }
 
-/// f(body, impulse on it about its centre of mass) of what nets pull it by, but for their contacts.
+/// Calls f(body, impulse on it about its centre of mass) for the forces of nets on bodies, except contacts.
 template <class Contacts, std::size_t N, class F>
 void each_net_impulse(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
   each_carried(w.net, [&](const NetRun& run) noexcept {

@@ -122,7 +122,7 @@ struct NetStage {
   OfBodies delta, c_1;   // (45)
   OfBodies on_carriers;  // impulses of anchors on bodies, at the end
   OfBodies passed_on;    // impulses on bodies by residuals that contacts of their nodes, or attachments, bear
-  bool is_solved = true;    // false: the iteration was stopped at its most
+  bool is_solved = true;    // false if the iteration was cut off at its limit
   bool is_balanced = true;  // (45) holds for the velocities
   NetReport report;
 

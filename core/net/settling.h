@@ -49,7 +49,7 @@ SpatialVector rigid_motion(const NodeRow& nodes, const RigidFit& fit, const Posi
   return {.w = fit.J_inverse * sum.w, .v = sum.v * (1 / fit.size)};
 }
 
-/// f(net, what is known of it) for every net that floats.
+/// Calls f(net, data of it) for every floating net.
 template <class Stage, class F>
 void each_floating(Stage& w, F f) noexcept {
   for (std::size_t k = 0; k < w.par->num_rows; ++k)
@@ -77,7 +77,7 @@ bool is_free(const NetParams& par, const NodeRow& row) noexcept {
 
 /// Dampers of floating nets, after begin_anchors() which takes them for anchors.
 template <class Net, std::size_t N>
-void begin_settling(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
+void begin_preconditioner(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < par.num_rows; ++k) {
     w.rows[k].floats = floats(par, par.rows[k]);
     w.rows[k].is_free = is_free(par, par.rows[k]);

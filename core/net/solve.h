@@ -16,7 +16,7 @@ void linearise_net(const NetInput<typename Contacts::Net>& in, Real h,
     begin_anchors<typename Contacts::Net>(in.par, run,
                                           run.body == world ? TreePlace{} : w.finder.at[run.body], h, net);
   }
-  begin_settling<typename Contacts::Net>(in.par, h, net);
+  begin_preconditioner<typename Contacts::Net>(in.par, h, net);
   begin_attachments<typename Contacts::Net>(in.par, w.finder.at, h, net);
   begin_springs<as, typename Contacts::Net>(in.par, h, net);
 }

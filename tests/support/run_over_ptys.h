@@ -20,8 +20,8 @@ namespace godobject::test {
 
 class RunOverPtys : public ProgramTest {
  protected:
-  /// Starts both programs, up to torque on all motors. options: further ones of `run`. False where the machine stalled: the host
-  /// has given up.
+  /// Starts both programs, up to torque on all motors. options: further ones of `run`. Returns false if the
+  /// machine stalled and the host gave up.
   bool start(const std::string& scene, const std::vector<std::string>& options = {}) {
     host_.reset();
     far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",

@@ -36,7 +36,7 @@ inline bool is_of_second(std::uint64_t key) noexcept { return (key & of_second) 
 /// Overlap of a pair of bodies in the previous step.
 struct DeepPair {
   bool spheres = false;                    // true if the rest penetration of a sphere exceeds its reach
-  bool pressed = false;                    // true if a contact spring is compressed, except that of sunk boxes
+  bool pressed = false;                    // true if a contact spring is compressed, not of sunk boxes
   std::uint32_t axis = SinkingAxis::none;  // axis along which they were sunk
   Vec3 pushed_W = Vec3::Zero();            // normal force on the first by the second, N
 };

@@ -1,5 +1,5 @@
-// Forces of outputs with nets: with gravity, those of bodies, of joints and of single nodes are the momentum that bodies and
-// nodes get in a step, in impacts too, however few the iterations of nets.
+// Forces in the outputs of scenes with nets. With gravity, the forces on bodies, joints and single nodes
+// equal the change of momentum in a step. Also in impacts, and for any number of iterations of nets.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -13,7 +13,8 @@ constexpr Real gravity = 9.81;  // m/s^2
 
 enum class Kind : std::uint8_t { carried, floating, attached, jointed };
 
-/// A net on the first body or in the world, thrown with free balls at each other and at a floor. Nothing is held.
+/// A net on the first body or in the world, thrown with free balls at each other and at a floor. Nothing is
+/// held.
 template <class I>
 struct Thrown : Running<AttachedNetScene<I>> {
   static constexpr std::size_t num_bodies = 3;
@@ -83,8 +84,8 @@ struct Thrown : Running<AttachedNetScene<I>> {
   }
 };
 
-/// Momenta of groups that exchange forces which outputs do not show: bodies with the nodes that they carry, and nets with
-/// the bodies that they are attached to. The last is that of nodes of the world.
+/// Momenta of groups that exchange forces which are not outputs: bodies with their carried nodes, and nets
+/// with the bodies that they are attached to. The last one is that of nodes of the world.
 template <class R>
 struct Momenta {
   static constexpr std::size_t of_world = R::num_bodies;
@@ -111,8 +112,8 @@ struct Momenta {
   }
 };
 
-/// True for the bodies that bear on the floor, by contacts or attachments of a chain of bodies and nets. Others have nothing
-/// that could bear what an iteration leaves of the momentum of all of them.
+/// True for bodies supported by the floor, by contacts or attachments of a chain of bodies and nets. Others
+/// have no contact that could carry the residual momentum of all.
 template <class R>
 std::array<bool, R::num_bodies> bear_on_floor(const R& run) {
   constexpr std::size_t of_world = R::num_bodies, floor = of_world + 1;
@@ -139,7 +140,7 @@ struct Off {
   std::array<bool, 3> bore{};  // in the step before, whose last stage TR-BDF2 goes on from
 };
 
-/// Takes a step and adds how far it is off.
+/// Takes a step and adds its error.
 template <class R>
 void take(R& run, Off& off) {
   const Momenta<R> before(run);

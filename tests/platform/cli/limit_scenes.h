@@ -52,7 +52,8 @@ inline std::string small_net(const std::string& iterations) {
   return replaced(scene, "step = 1e-3\n", "step = 1e-3\nnet_iterations = " + iterations + "\n");
 }
 
-/// Bricks that are thrown together over a floor. stiffness: of their contacts, N/m, damped critically for one brick.
+/// Scene of bricks thrown together over a floor. stiffness: of their contacts, N/m, critically damped for one
+/// brick.
 inline std::string heap(int bricks, const std::string& step, double stiffness) {
   std::string text =
       "[scene]\nname = \"heap\"\nduration = 1.0\nintegrator = \"implicit-euler\"\nstep = " + step +
@@ -79,8 +80,8 @@ inline std::string heap(int bricks, const std::string& step, double stiffness) {
          "\ndamping = " + std::to_string(2 * std::sqrt(stiffness * mass)) + "\nfriction = 0.5\n";
 }
 
-/// A chain that hangs on the world by ball joints and is let go nearly upright, until it snaps taut. contrast: how much heavier its
-/// last link is than the others.
+/// Scene of a chain on ball joints, released nearly upright from the world, until it snaps taut. contrast:
+/// mass ratio of its last link to the others.
 inline std::string chain(const std::string& step, double contrast) {
   constexpr int links = 4;
   constexpr double angle = 175 * 3.14159265358979 / 180, length = 0.1;

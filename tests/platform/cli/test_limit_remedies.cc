@@ -125,7 +125,8 @@ TEST_F(LimitRemedies, Ramp) {
   EXPECT_GT(percent(desk()), 5);  // by every engagement, and without a remedy: it is no fault
 }
 
-/// Percent of the cycles of a run that were held, where another program takes the processor for so many seconds ten times a second.
+/// Returns the percentage of held cycles of a run. Another program takes the processor for `away` seconds ten
+/// times a second.
 double percent_on_hold(double step, double away) {
   LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
   loaded.scene->step = step;
@@ -176,7 +177,8 @@ TEST_F(LimitRemedies, Substeps) {
 
 TEST_F(LimitRemedies, NetCap) { expect_remedy(small_net("5"), small_net("12"), "--bus direct"); }
 
-/// Percent of the cycles in which a drive limits its torque. bears: 6072h, N m; commanded: most that the host may command, N m.
+/// Returns the percentage of cycles in which a drive limits its torque. bears: 6072h, N m. commanded: largest
+/// torque that the host may command, N m.
 double percent_limited_by_drive(double bears, double commanded) {
   DriveParams drive = drive_of(DriveProtocol::cia402);
   drive.torque_max_Nm = commanded;

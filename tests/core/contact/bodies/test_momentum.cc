@@ -1,5 +1,5 @@
-// Forces of outputs are means over the step: with gravity they are the momentum that it gives each body, in impacts too. Bodies
-// that meet nothing else keep their momentum.
+// Forces of outputs are means over the step: with gravity they equal the change of each body's momentum, in
+// impacts too. Bodies that meet nothing else keep their momentum.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -249,8 +249,8 @@ TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesImplicitEuler) {
 }
 TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesTrBdf2) { jointed_piles_are_balanced<TrBdf2>(); }
 
-/// Free tools that are thrown at each other in a plane, each a ball with another one on a hinge through its centre: so the angular
-/// momentum of each root is I w, by its contacts and its joint.
+/// Free tools that are thrown at each other in a plane. Each is a ball with another one on a hinge through its
+/// centre. The angular momentum of each root is then I w, changed by its contacts and its joint.
 template <class I>
 void roots_are_balanced() {
   Real worst = 0;
