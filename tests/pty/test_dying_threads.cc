@@ -12,19 +12,16 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <thread>
 
-#include "platform/linux/bus/bus.h"
 #include "platform/linux/spacemouse_thread.h"
 #include "platform/linux/tracker_thread.h"
 #include "platform/rt/stop_signals.h"
 #include "platform/scene/toml.h"
-#include "tests/support/background_program.h"
 #include "tests/support/faulty_rig.h"
-#include "tests/support/program.h"
+#include "tests/support/run_over_ptys.h"
 
 namespace godobject::test::test_dying_threads {
 namespace {
@@ -73,42 +70,14 @@ TEST(Threads, TheDocumentedOnesAreThoseThatAreTested) {
   EXPECT_THAT(documented_threads(), ElementsAreArray(tested));
 }
 
-class CrashedThread : public ProgramTest, public testing::WithParamInterface<std::string> {
+class CrashedThread : public RunOverPtys, public testing::WithParamInterface<std::string> {
  protected:
-  /// Starts both programs, up to torque on both motors. Returns false if the machine stalled.
   bool start() {
-    const std::string scene = write("scene.toml", patient_toml());
-    host_.reset();
-    far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
-                                          "can0=pty", "--bus", "can1=pty", "--tap", "can1=pty"});
-    std::vector<std::string> arguments{"run",     scene,         "--duration", "60",         "--view",
-                                       "--trace", path("t.csv"), "--record",   path("r.log")};
-    std::string tap;
-    for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line()) {
-      const std::string address = line.substr(line.find(": ") + 2);
-      if (line.starts_with("tap")) tap = address;
-      else arguments.insert(arguments.end(), {"--bus", line.substr(4, 4) + "=slcan:" + address});
-    }
-    std::string error;
-    tap_ = make_bus(parse_bus_address("slcan:" + tap, error).value(), {});
-    EXPECT_TRUE(tap_->open()) << error;
-    host_.emplace(arguments);
-    for (int i = 0; i < 500; ++i) {
-      listen(20ms);
-      const nlohmann::json drives = nlohmann::json::parse(far_->say("status"))["drives"];
-      if (std::ranges::all_of(drives, [](const auto& drive) { return drive["torque_Nm"] != 0; })) return true;
-    }
-    return false;
+    return RunOverPtys::start(write("scene.toml", patient_toml()),
+                              {"--view", "--trace", path("t.csv"), "--record", path("r.log")});
   }
-  void listen(std::chrono::milliseconds time) {
-    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
-      for (ReceivedFrame received; tap_->try_receive(received);) frames_.push_back(received.frame);
-      std::this_thread::sleep_for(1ms);
-    }
-  }
+  void hear(const CanFrame& frame) override { frames_.push_back(frame); }
 
-  std::optional<BackgroundProgram> far_, host_;
-  std::unique_ptr<LinuxBus> tap_;
   std::vector<CanFrame> frames_;
 };
 

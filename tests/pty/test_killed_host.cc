@@ -5,14 +5,10 @@
 
 #include <chrono>
 #include <csignal>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "hal/canopen/canopen.h"
-#include "platform/linux/bus/bus.h"
-#include "tests/support/background_program.h"
 #include "tests/support/faulty_rig.h"
-#include "tests/support/program.h"
+#include "tests/support/run_over_ptys.h"
 
 namespace godobject::test::test_killed_host {
 namespace {
@@ -23,49 +19,15 @@ using testing::SizeIs;
 
 constexpr double step_s = 5e-3;
 
-class KilledHost : public ProgramTest {
+class KilledHost : public RunOverPtys {
  protected:
-  /// Starts both programs, up to torque on both motors. Returns false if the machine stalled and the host
-  /// gave up.
-  bool start(const std::string& scene) {
-    host_.reset();
-    far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
-                                          "can0=pty", "--bus", "can1=pty", "--tap", "can1=pty"});
-    std::vector<std::string> arguments{"run", scene, "--duration", "60"};
-    std::string tap;
-    for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line()) {
-      const std::string address = line.substr(line.find(": ") + 2);
-      if (line.starts_with("tap")) tap = address;
-      else arguments.insert(arguments.end(), {"--bus", line.substr(4, 4) + "=slcan:" + address});
-    }
-    std::string error;
-    tap_ = make_bus(parse_bus_address("slcan:" + tap, error).value(), {});
-    EXPECT_TRUE(tap_->open()) << error;
-    host_.emplace(arguments);
-    for (int i = 0; i < 500; ++i) {
-      listen(std::chrono::milliseconds(20));
-      const nlohmann::json drives = state()["drives"];
-      if (std::ranges::all_of(drives, [](const auto& drive) { return drive["torque_Nm"] != 0; })) return true;
-    }
-    return false;
-  }
-  nlohmann::json state() { return nlohmann::json::parse(far_->say("status")); }
-
-  /// Collects the drives' reports for this time.
-  void listen(std::chrono::milliseconds time) {
-    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
-      for (ReceivedFrame received; tap_->try_receive(received);) {
-        canopen::Emergency emergency;
-        if (canopen::parse_emergency(received.frame, emergency) == ParseResult::ok &&
-            emergency.error_code != 0)
-          emergencies_.push_back(emergency.error_code);
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+  /// Keeps the errors that the drives report.
+  void hear(const CanFrame& frame) override {
+    canopen::Emergency emergency;
+    if (canopen::parse_emergency(frame, emergency) == ParseResult::ok && emergency.error_code != 0)
+      emergencies_.push_back(emergency.error_code);
   }
 
-  std::optional<BackgroundProgram> far_, host_;
-  std::unique_ptr<LinuxBus> tap_;
   std::vector<std::uint16_t> emergencies_;
 };
 

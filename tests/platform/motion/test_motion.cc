@@ -348,7 +348,7 @@ TEST(Motion, BadTablesAreRefusedWithTheirPlace) {
   EXPECT_THAT(errors(pose_header + "0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n"),
               ElementsAre(HasSubstr("m.csv:3:1: times must be")));
   EXPECT_THAT(errors(pose_header + "0,0,0,0,1,0,0,0\n1e-310,1,0,0,1,0,0,0\n"),
-              ElementsAre(HasSubstr("m.csv:3:1: times must be finite and 1 us apart")));
+              ElementsAre(HasSubstr("m.csv:3:1: times must be finite and at least 1 us apart")));
   EXPECT_THAT(errors(pose_header + "1e308,0,0,0,1,0,0,0\n"), ElementsAre(HasSubstr("within 1e9 s")));
   EXPECT_THAT(errors(pose_header + "0,0,0,0,1,1,0,0\n"),
               ElementsAre(AllOf(HasSubstr("m.csv:2:9:"), HasSubstr("norm is 1.414"))));

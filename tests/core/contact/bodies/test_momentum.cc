@@ -1,5 +1,5 @@
-// Forces of outputs are means over the step: with gravity they are the momentum that it gives each body, in impacts too. Bodies
-// that meet nothing else keep their momentum.
+// Forces of outputs are means over the step: with gravity they equal the change of each body's momentum, in
+// impacts too. Bodies that meet nothing else keep their momentum.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -248,6 +248,57 @@ TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesImplicitEuler) {
   jointed_piles_are_balanced<ImplicitEuler>();
 }
 TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesTrBdf2) { jointed_piles_are_balanced<TrBdf2>(); }
+
+/// Free tools that are thrown at each other in a plane. Each is a ball with another one on a hinge through its
+/// centre. The angular momentum of each root is then I w, changed by its contacts and its joint.
+template <class I>
+void roots_are_balanced() {
+  Real worst = 0;
+  int num_turned = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    const auto pile = std::make_unique<JointedPileOf<I>>();
+    auto& par = pile->par;
+    par.h = random.log_uniform(2e-4, 5e-3);
+    set_law(par, law_of(random.log_uniform(1e4, 1e7), random.uniform(0, 1), random.uniform(0.2, 0.8)));
+    if (random.integer(0, 1) == 0) pile->add_floor();
+    constexpr Real radius = 0.01;
+    constexpr std::size_t tools = 4;
+    for (std::size_t k = 0; k < tools; ++k) {
+      const Real angle = 2 * pi * static_cast<Real>(k) / tools + random.uniform(-0.3, 0.3);
+      const Vec3 from = 0.05 * Vec3(std::cos(angle), 0, std::sin(angle));
+      const Start start{.X_WB = {.p = from + Vec3(0, 0, 0.08), .q = exp_so3(Vec3(0, -angle, 0))},
+                        .V_WB = {.w = Vec3(0, 5 * random.normal(), 0), .v = -20 * from}};
+      const std::size_t root = pile->add_ball(start, random.log_uniform(1e-3, 0.1), radius),
+                        link = pile->add_ball({}, random.log_uniform(1e-3, 0.1), radius);
+      pile->join(link, JointKind::hinge, root, frame(Vec3::Zero(), y_axis),
+                 frame(Vec3(-2.5 * radius, 0, 0), y_axis));
+    }
+    bool turned = false;
+    for (int n = 0; n < 200; ++n) {
+      std::array<Real, tools> before;
+      for (std::size_t k = 0; k < tools; ++k) before[k] = pile->at(2 * k).w_B.y();
+      pile->step();
+      ASSERT_FALSE(any(pile->out.fault)) << seed;
+      for (std::size_t k = 0; k < tools; ++k) {
+        const Wrench &F = pile->out.bodies[2 * k].contact.F_W, &F_C = pile->out.bodies[2 * k + 1].joint.F_C;
+        const Real L = par.bodies[2 * k].body.I_B(1, 1) * (pile->at(2 * k).w_B.y() - before[k]),
+                   hT = par.h * (F.tau.y() - F_C.tau.y()),
+                   lever = par.h * radius * (F.f.norm() + F_C.f.norm());
+        turned = turned || std::abs(L) > 1e-3 * lever;
+        if (F.f.isZero(0)) continue;
+        worst = std::max(worst, std::abs(L - hT) / lever);
+        EXPECT_LT(std::abs(L - hT), 1e-9 * lever) << I::name << ", seed " << seed << ", tool " << k;
+      }
+    }
+    num_turned += turned ? 1 : 0;
+  }
+  std::printf("%s: roots turned in %d scenes, torques off by %.1e of the largest\n", I::name, num_turned,
+              worst);
+  EXPECT_GT(num_turned, 30);
+}
+TEST(Momentum, OfRootsThatTurnIsThatOfTheirTorquesImplicitEuler) { roots_are_balanced<ImplicitEuler>(); }
+TEST(Momentum, OfRootsThatTurnIsThatOfTheirTorquesTrBdf2) { roots_are_balanced<TrBdf2>(); }
 
 }  // namespace
 }  // namespace godobject::test_momentum
