@@ -58,7 +58,7 @@ TYPED_TEST(ContactList, KeepsTheDeepestWhenFullAndSaysSo) {
   EXPECT_EQ(run->x.contacts.size, 0u);
 }
 
-/// Of equally deep contacts the first are kept.
+/// Keeps the first of equally deep contacts.
 TYPED_TEST(ContactList, IsInOrder) {
   const auto run = bar<TypeParam>(0);
   run->device().target.X_WD.p.z() = -0.002;

@@ -76,8 +76,8 @@ struct BallAndBox {
   }
 };
 
-/// Throws a ball straight at a face of a box of the world, at up to 95 % of the speed that `check` promises
-/// (platform/scene/top_speed.h). Returns true if it passes.
+/// Throws a ball straight at a face of a box of the world. Its speed is at most 95 % of that promised by
+/// `check` (platform/scene/top_speed.h). Returns true if it passes.
 template <class I>
 bool passes(unsigned seed) {
   BallAndBox<I> of(seed, 5e-4);
@@ -210,8 +210,8 @@ struct Cut {
   Real depth = 0, thin = 0;
 };
 
-/// Throws two boxes with small spheres at their corners at each other, at most at the speed that `check`
-/// promises for their fastest points (platform/scene/top_speed.h).
+/// Throws two boxes with small spheres at their corners at each other. The speed of their fastest points is
+/// at most that promised by `check` (platform/scene/top_speed.h).
 template <class I>
 Cut cut(unsigned seed) {
   Random random(seed);

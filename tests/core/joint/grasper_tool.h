@@ -1,5 +1,5 @@
 // A grasper on its device: a trocar that pitches and yaws about the world's origin, a tube that slides and
-// turns in it, two jaws on the tube. The device's motion has a closed form.
+// turns in it, two jaws. The device's motion has a closed form.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -99,8 +99,8 @@ TEST(NetAttached, MomentaAreKeptHoweverFewTheIterations) {
   expect_momenta_kept<TrBdf2>();
 }
 
-/// A sheet on a body that the hand holds, or in the world, held at its corners, with a free body of 30 g sewn
-/// under its middle. It swings until it rests.
+/// A sheet on a body that the hand holds, or in the world, held at its corners. A free body of 30 g is sewn
+/// under its middle, and swings until it rests.
 template <class I>
 struct Hanging : Running<Scene_<I>> {
   static constexpr Real k = 500, k_d = 200, k_s = 200, m = 0.03;  // N/m: coupling, feedback, attachments; kg

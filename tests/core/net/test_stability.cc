@@ -1,4 +1,4 @@
-// Nets over the ranges of stiffness, mass, damping, anchors and step of scenes, in all ordeals: finite,
+// Nets over the ranges of stiffness, mass, damping, anchors and step of scenes, in all ordeals. Finite,
 // bounded, and no energy except that of the hand and of gravity.
 #include <gtest/gtest.h>
 
@@ -25,9 +25,9 @@ struct Outcome {
   Real farthest = 0;  // from the origin, as a share of the possible distance
 };
 
-/// Bound of the distance from the origin that a net on anchors may reach in a time t: from its start, by the
-/// hand's way, by its initial speed and by its fall. Springs swing their loads about twice as far to the
-/// other side. For free nets, thrown by springs and jaws, only finiteness is required.
+/// Bound of the distance from the origin that a net on anchors may reach in a time t. It adds its start, the
+/// hand's way, its initial speed and its fall. Springs swing their loads about twice as far to the other
+/// side. For free nets, thrown by springs and jaws, only finiteness is required.
 template <class I>
 class Range {
  public:

@@ -97,7 +97,7 @@ TYPED_TEST(FewBlocks, AHeapGainsNoEnergyAndSaysWhatItLacks) {
   EXPECT_GT(all.without_room, all.steps / 4);
 }
 
-/// The same heap with enough and with too few blocks comes to rest, on the forces that carry it.
+/// A heap comes to rest on the forces that carry it, with enough blocks and with too few.
 TEST(FewBlocksAtRest, CarryTheHeap) {
   const Case c{.k = 2e4, .zeta = 1, .h = 1e-3, .mu = 0.5};
   const auto rest = []<class S>(Pile<S>& pile) {

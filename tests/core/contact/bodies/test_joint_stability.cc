@@ -9,7 +9,7 @@
 namespace godobject::test_touching_joint_stability {
 namespace {
 
-/// Returns two pendulums of two links each, hinged to the world a brick's width apart, that fall against each
+/// Returns two pendulums of two links each, hinged to the world a brick's width apart. They fall against each
 /// other and a free brick between them.
 template <class I>
 std::unique_ptr<JointedPileOf<I>> pendulums() {
