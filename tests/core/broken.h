@@ -1,4 +1,4 @@
-// A solver that is broken on purpose: what moves is a little faster after each step, and what turns.
+// A solver with a deliberate error: velocities and angular velocities grow a little in each step.
 #pragma once
 
 #include "core/godobject.h"

@@ -38,7 +38,7 @@ struct Running {
   std::uint64_t hash() const { return state_hash(par, x); }
 
   Real kinetic() const { return kinetic_energy(par.bodies[0].body, x.bodies[0].x); }
-  /// Of body and spring.
+  /// Returns the energy of body and spring, J.
   Real energy() const { return kinetic() + coupling_at(par, x, 0).energy; }
 };
 

@@ -1,4 +1,4 @@
-// What holds for every shape, checked on random points.
+// Properties of all shapes, checked on random points.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ inline void check_distance_field(const ShapeParams& par, const Vec3& low, const 
   EXPECT_GT(smooth, 2 * num_points);
 }
 
-/// A position with NaN or infinity in any place must not look like a contact, nor like none; one far away,
+/// A position with NaN or infinity in any place must not look like a contact, nor like none. A distant one,
 /// whose square overflows, must look like none.
 inline void check_not_finite(const ShapeParams& par) {
   EXPECT_GE(nearest(par, {1e200, -1e200, 1e200}, 0.1).distance, 0.1);
@@ -64,7 +64,7 @@ inline void check_not_finite(const ShapeParams& par) {
   }
 }
 
-/// Where nearest features meet: still a unit normal that leads to the surface.
+/// At nearest features that meet: a unit normal that leads to the surface.
 inline void check_special_points(const ShapeParams& par, const std::vector<Vec3>& points_S) {
   for (const Vec3& p_S : points_S) {
     const Vec3 p_W = par.X_WS.p + to_world(par.X_WS.q, p_S);

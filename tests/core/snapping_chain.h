@@ -9,8 +9,8 @@ namespace godobject {
 
 inline constexpr Real snapping_link = 0.1;  // length of a link, m
 
-/// Links of 50 g on ball joints in a row, the last one 1000 times heavier, at an angle from hanging. on_world: they hang on the
-/// origin, and are let go; or they are free, without gravity.
+/// Builds a row of links of 50 g on ball joints, the last one 1000 times heavier, at an angle from the
+/// vertical. on_world: the row is released from the origin; otherwise it is free, without gravity.
 template <Scene S>
 void build_snapping_chain(Running<S>& run, std::size_t links, Real angle, bool on_world) {
   auto& par = run.par;
@@ -32,7 +32,7 @@ void build_snapping_chain(Running<S>& run, std::size_t links, Real angle, bool o
   }
 }
 
-/// What a chain came to.
+/// Result of a chain.
 struct Snapped {
   Real drift = 0;  // m, of its joints
   bool gains = false;

@@ -1,4 +1,4 @@
-// What a scene does not use has no storage.
+// Unused parts of a scene have no storage.
 #include <gtest/gtest.h>
 
 #include "tests/core/one_body.h"
@@ -32,7 +32,7 @@ static_assert(Scene<FreeEuler> && Scene<FreeTrBdf2> && Scene<Coupled> && Scene<H
 static_assert(!Scene<OneBody<ImplicitEuler, PoseDevice, None, LimitedFeedback>>);
 static_assert(!Scene<OneBody<ImplicitEuler, None, DampedSpring, None>>);
 
-/// Parts left out change nothing in what remains: feedback does not move the body.
+/// Parts left out do not change the others: feedback does not move the body.
 TEST(Composition, FeedbackDoesNotTouchTheMotion) {
   Running<Coupled> coupled;
   Running<Haptic> haptic;

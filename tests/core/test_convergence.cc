@@ -1,4 +1,4 @@
-// Observed order of the integrators on a smooth motion, and what a free body keeps.
+// Observed order of the integrators on a smooth motion, and conserved quantities of a free body.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -47,7 +47,7 @@ RigidBodyState follow(int steps) {
   return run.body();
 }
 
-/// The same body thrown into the air and let go: gravity, gyroscopic torque, no spring.
+/// Returns the same body thrown into the air: gravity, gyroscopic torque, no spring.
 template <class Integrator>
 RigidBodyState tumble(int steps) {
   constexpr Real duration = 0.8;
@@ -117,7 +117,7 @@ TYPED_TEST(Convergence, BothSchemesAgreeInTheLimit) {
 TEST(ConvergenceOfFreeFall, TrBdf2IsExact) {
   const RigidBodyState x = tumble<TrBdf2>(800);
   const Vec3 a_W(0, 1, -9.81);
-  // The first step knows no acceleration yet and is two implicit Euler steps: v is exact, p off by O(h^2).
+  // The first step has no acceleration and is two implicit Euler steps: v is exact, p off by O(h^2).
   EXPECT_LT((x.v_W - (Vec3(1, 2, 3) + 0.8 * a_W)).norm(), 1e-12);
   EXPECT_LT((x.X_WB.p - (0.8 * Vec3(1, 2, 3) + 0.32 * a_W)).norm(), 1e-5);
 }

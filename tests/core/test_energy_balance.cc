@@ -1,4 +1,5 @@
-// The balance of energy (38): no false alarm whatever a device does with a body, and an alarm when the solver is broken.
+// Energy balance (38): no false alarm for any motion of a device with a body, and an alarm for a broken
+// solver.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -11,7 +12,7 @@
 namespace godobject::test_energy_balance {
 namespace {
 
-/// A body on a device that moves as it likes: smooth, with jumps, with gaps, let go and engaged again.
+/// A body on a device that moves smoothly, with jumps, with gaps, disengaged and engaged.
 template <class S>
 struct Hand {
   Running<S> run;
@@ -29,7 +30,7 @@ struct Hand {
     body.body = rigid_body(m, random.inertia(I * Vec3(1, random.uniform(1, 3), random.uniform(2, 3))));
     const Real k = random.log_uniform(1, 1e6), k_r = random.log_uniform(1e-3, 1e3);
     Real zeta = random.integer(0, 2) * random.uniform(0.01, 1.5);
-    // what swings undamped with less than six steps to a turn has no energy that could be followed from step to step
+    // an undamped oscillation with less than six steps per turn has no energy that can be followed
     if (par.h * par.h * k > m || par.h * par.h * k_r > I) zeta = std::max(zeta, Real(0.01));
     body.coupling = {.k = k, .g = zeta * std::sqrt(m * k), .k_r = k_r, .g_r = zeta * std::sqrt(2 * I * k_r)};
     body.device.rise = random.integer(0, 1) * random.uniform(0, 0.3);
@@ -85,7 +86,7 @@ TEST(EnergyBalance, ABrokenSolverIsFoundWithinASecond) {
     spring.k = std::min(spring.k, 1e5 * hand.run.constants().body.m);  // 20 steps to a turn, or more
     spring.k_r = 0;
     hand.run.constants().coupling.g = hand.run.constants().coupling.g_r = 0;
-    hand.amplitude = hand.turn = Vec3::Zero();  // nobody moves: what begins off its target swings
+    hand.amplitude = hand.turn = Vec3::Zero();  // no motion of the hand: an offset start oscillates
     hand.run.body().X_WB.p = Vec3(0.05, 0, 0);
     engage_at(hand.run.x, 0, hand.target(0));
     hand.run.par.gravity_W.setZero();
@@ -100,7 +101,7 @@ TEST(EnergyBalance, ABrokenSolverIsFoundWithinASecond) {
   EXPECT_EQ(found, 50);
 }
 
-// a double pendulum that swings freely keeps its energy within what the order allows; broken, it does not
+// a free double pendulum keeps its energy within the order; broken, it does not
 TEST(EnergyBalance, OfAJointedTool) {
   const auto swing = [](auto scene) {
     using S = decltype(scene);
@@ -131,7 +132,7 @@ TEST(EnergyBalance, OfAJointedTool) {
   EXPECT_TRUE(swing(Articulated<Broken<TrBdf2, 200>>{}));
 }
 
-/// A weight on a hinge that the device leads, on a body that the device pulls; gravity and inertia are what it works against.
+/// A weight on a hinge with prescribed motion, on a body coupled to the device, against gravity and inertia.
 template <class I>
 bool is_led_with_gain(unsigned seed) {
   using S = Articulated<I, TreeJoints<None, PrescribedJoints>>;
@@ -178,7 +179,7 @@ TEST(EnergyBalance, WhatIsLedGainsNothing) {
   }
   EXPECT_EQ(alarms, 0);
   std::printf("%d of 40 broken ones found\n", found);
-  EXPECT_GT(found, 20);  // couplings and gravity take what the others gain
+  EXPECT_GT(found, 20);  // couplings and gravity dissipate the gain of the others
 }
 
 TEST(EnergyBalance, TheEnergyOfAStopIsTheWorkOfItsTorque) {

@@ -9,7 +9,7 @@
 namespace godobject::test_energy_rise {
 namespace {
 
-/// A solver that fails when it is told to: velocities come out too large by a factor.
+/// A solver that fails on demand: velocities come out too large by a factor.
 template <class I>
 struct Failing : I {
   static inline Real factor = 1;
@@ -116,7 +116,7 @@ TYPED_TEST(EnergyRise, NothingThatAForceDoesIsOutOfMeasure) {
   }
 }
 
-/// (38)  A step without finite energy is a gain, and those after it are compared with what was before.
+/// (38)  A step without finite energy counts as a gain; later steps are compared with the state before it.
 TEST(EnergyRiseWatch, KeepsAFiniteReference) {
   constexpr Real inf = std::numeric_limits<Real>::infinity();
   for (const Real bad : {inf, std::numeric_limits<Real>::quiet_NaN(), -inf}) {

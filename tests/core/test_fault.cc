@@ -84,7 +84,7 @@ class FaultOf : public ::testing::Test {
     return godobject::is_finite(sum(out.X_WB) + sum(out.V_WB) + sum(out.feedback.F_D));
   }
 
-  /// Steps with the input as it is: refused with `fault`, and the hand is let go within the rate limit.
+  /// Steps with the given input: rejected with `fault`, and the hand is released within the rate limit.
   void expect_refused(Fault fault) {
     const std::uint64_t hash = hash_without_shown();
     const Wrench before = shown();

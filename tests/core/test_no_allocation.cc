@@ -1,4 +1,4 @@
-// A step neither allocates, locks, sleeps, reads, writes nor asks for the time, and touches no new page.
+// A step neither allocates, locks, sleeps, reads, writes nor reads a clock, and touches no new page.
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sys/resource.h>
@@ -44,7 +44,7 @@ void disturb(PoseDevice::Input& in, int n) {
   in.engaged = n % 500 > 20;
 }
 
-/// Good samples, faults, lost samples, engaging and letting go.
+/// Good samples, faults, lost samples, engaging and releasing.
 TYPED_TEST(NoAllocation, InAnyStep) {
   Running<TypeParam> run;
   AllocationGuard guard;
@@ -69,7 +69,7 @@ TYPED_TEST(NoAllocation, NorAPageFaultAfterTheFirstSteps) {
   EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
 }
 
-/// A tool of four bodies with stops, and jaws that are imposed.
+/// A tool of four bodies with stops, and prescribed jaws.
 TEST(NoAllocationOfJoints, InAnyStep) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has taken libc's functions";
   GrasperTool<TrBdf2, TreeJoints<JointStops, PrescribedJoints>> tool;

@@ -1,4 +1,4 @@
-// Where TR-BDF2 is of second order, and that it says where not.
+// Range of second order of TR-BDF2, and its report outside.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ struct Errors {
   Real position = 0, rotation = 0;
 };
 
-/// Where a slender tool is each ms after it is let go towards a resting target, in steps of 1 ms / `parts`.
+/// Places of a slender tool each ms after its release towards a resting target, in steps of 1 ms / `parts`.
 struct Released {
   RigidBodyParams body;
   SpringParams coupling;
@@ -42,7 +42,8 @@ struct Released {
   }
 };
 
-/// A rod of 10 to 40 cm and 2 to 20 mm, coupled as an instrument is, and a target up to 10 cm and 2.5 rad away.
+/// Draws a rod of 10 to 40 cm and 2 to 20 mm, coupled like an instrument, and a target up to 10 cm and 2.5
+/// rad away.
 Released random_release(Random& random) {
   const Real m = random.log_uniform(0.02, 1), length = random.uniform(0.1, 0.4),
              r = random.log_uniform(2e-3, 2e-2);
@@ -68,8 +69,8 @@ Errors worst(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   return e;
 }
 
-/// Implicit Euler stages in place of the second-order ones cost 3 to 9 times the error on such tools, and were taken in 34 of
-/// 60; the first step was one of them in all.
+/// Implicit Euler stages instead of second-order ones cost 3 to 9 times the error on such tools, and occurred
+/// in 34 of 60. The first step was one of them in all.
 TEST(SecondOrder, SlenderToolsThatAreReleasedStayOfSecondOrder) {
   Random random(11);
   std::vector<Real> ratios;
@@ -115,7 +116,7 @@ TEST(SecondOrder, ImplicitEulerHasNoOtherOrderToTell) {
   EXPECT_EQ(run.out.limited, Limited::none);
 }
 
-/// Bodies that are made of mass have moments I_i <= I_j + I_k: then nothing in them changes faster than they turn.
+/// Physical bodies have moments I_i <= I_j + I_k: then nothing in them changes faster than they turn.
 TEST(SecondOrder, NutationOfBodiesMadeOfMassIsTheirTurn) {
   Random random(12);
   for (int i = 0; i < 1000; ++i) {

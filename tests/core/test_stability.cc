@@ -46,7 +46,8 @@ Running<OneBody<Integrator>> start(const Case& c) {
   return run;
 }
 
-/// What rounding of a position of size 1 m and of a quaternion does to the square root of the energy.
+/// Returns the change of the square root of the energy by rounding of a position of size 1 m and of a
+/// quaternion.
 Real rounding(const Case& c) {
   const Real length = 1 + c.start.X_WB.p.norm() + c.target.X_WD.p.norm();
   return 1e-15 * (length * std::sqrt(c.k) + 4 * std::sqrt(c.k_r));

@@ -82,8 +82,8 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
 /// Edges of a box along one of its axes, on the side to which n points: two of the four. Lane j: edges that
 /// cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
 struct EdgesToSide {
-  PackMask first;  // lanes whose edge is on the side of the next axis; else on the side of the one after it
-  Pack h;          // half extent along that axis
+  PackMask first;  // true if the edges are the two sides along the next axis; else along the one after it
+  Pack h;          // half extent along that axis, along which n points out less
   Pack coordinate_on_other;  // coordinate of both edges along the other axis
   Pack less;                 // depth of the edge on the positive side minus that of the other
 

@@ -1,4 +1,4 @@
-// Bricks with spheres at their corners alone, and how deep two boxes are in each other, by the separating axes.
+// Bricks with spheres at their corners alone, and the depth of two boxes by the separating axes.
 #pragma once
 
 #include "tests/core/contact/bodies/bricks.h"

@@ -39,7 +39,7 @@ void add_box(Params<S>& par, const Pose& X_WS, const Vec3& half_extents) {
       .shape = {.kind = ShapeKind::box, .X_WS = X_WS, .half_extents = half_extents}};
 }
 
-/// Of materials a and b, as it is of b and a.
+/// Sets the law of materials a and b, and of b and a.
 template <Scene S>
 void set_law(Params<S>& par, const ContactLaw& law, MaterialId a = 0, MaterialId b = 0) {
   par.contacts.laws[a][b] = par.contacts.laws[b][a] = law;

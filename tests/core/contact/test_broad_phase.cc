@@ -92,7 +92,7 @@ TEST(BroadPhase, LeavesOutWhomItIsNotAskedFor) {
   }
 }
 
-/// What touches overlaps, in every direction; what is a digit apart does not.
+/// Touching boxes overlap, in every direction; boxes apart by one digit do not.
 TEST(BroadPhase, TouchingIsOverlapping) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const Real at : {1.0, -1.0}) {

@@ -1,4 +1,4 @@
-// The balance of energy (38) among contacts: no false alarm whatever falls on what, and an alarm when the solver is broken.
+// Energy balance (38) with contacts: no false alarm for any falling body, and an alarm for a broken solver.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -10,7 +10,7 @@
 namespace godobject::test_energy_of_contacts {
 namespace {
 
-/// A box of eight spheres that is thrown along a floor. True: it is told that it gains.
+/// Throws a box of eight spheres along a floor. Returns true if a gain is reported.
 template <class I>
 bool gains(unsigned seed, bool has_friction) {
   using S = OneTool<I>;

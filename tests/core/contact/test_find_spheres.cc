@@ -1,4 +1,4 @@
-// Near spheres of bodies and obstacles, against all pairs one by one: depth, point, normal and who they are of.
+// Near spheres of bodies and obstacles, against all pairs one by one: depth, point, normal and bodies.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -103,7 +103,7 @@ ShapeParams random_obstacle(Real size, Random& random) {
           .half_length = length()};
 }
 
-/// Those that are passed over four at a time are those that are not near.
+/// Spheres that are skipped four at a time are not near.
 TEST(FindSpheres, FindsWhatAllObstaclesOneByOneAreTouchedBy) {
   Random random(3);
   std::size_t contacts = 0, apart = 0;
@@ -143,7 +143,7 @@ TEST(FindSpheres, FindsWhatAllObstaclesOneByOneAreTouchedBy) {
   EXPECT_GT(apart, 10 * contacts);
 }
 
-/// Where centres coincide the bodies say the way, and where these do, too, the z axis.
+/// If centres coincide, the bodies determine the normal; if those coincide too, the z axis.
 TEST(FindSpheres, CoincidentCentresHaveANormal) {
   for (const Vec3& apart : {Vec3(0.004, 0, 0), Vec3(0, 0, 0)}) {
     auto s = std::make_unique<Search>();

@@ -1,4 +1,4 @@
-// What is done to four contacts at once, against the same for each by itself.
+// Operations on four contacts at once, against the same for each by itself.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using Contacts = BodyContacts<8, 8, 32>;
 
-/// What a contact of normal n_W, or of another, carried over.
+/// Draws the memory of a contact of normal n_W, or of another one.
 ContactMemory drawn_memory(Random& random, const Vec3& n_W) {
   ContactMemory m;
   m.e = random.uniform(0, 1e-3);
@@ -58,7 +58,7 @@ void expect_near(const Vec3& a, const Vec3& b, Real size) {
   EXPECT_LE((a - b).norm(), 1e-13 * (size + b.norm()));
 }
 
-/// Contacts, what they carried over in the step and the stage before, and laws; numbers that are unlike in size.
+/// Contacts, their memory of the step and the previous stage, and laws; numbers of different magnitude.
 struct Drawn {
   std::array<ContactMemory, 4> of_step, of_stage;
   std::array<NearContact, 4> near;
@@ -169,9 +169,9 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
   }
 }
 
-/// A contact that is new in the second stage of a step, 1 mm deep where it starts: an extrapolation to there has measured its
-/// approach; a stage that has ended there has not, it led into the other what it did not notice. The spring drives with no more than
-/// the depenetration velocity then (35).
+/// A new contact in the second stage of a step, 1 mm deep at its start. If the stage starts by extrapolation,
+/// its approach is measured; if it starts at the end of the first stage, it is not. The spring then drives
+/// with at most the depenetration velocity (35).
 TEST(FourAtATime, OfANewContactOnlyWhatAnExtrapolationMeasuredIsPressed) {
   constexpr Real h = 1e-3, depth = 1e-3, v_n = -3;
   const ContactLaw law{.k = 1e6, .c = 1, .push_out = 0.01};

@@ -1,4 +1,4 @@
-// Coulomb friction against what is known of it: the cone, sliding, rolling, spinning, and that it never drives.
+// Coulomb friction against known results: the cone, sliding, rolling, spinning, and that it never drives.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -135,7 +135,7 @@ TYPED_TEST(Friction, NeverDrivesASlidingBody) {
     }
 }
 
-/// A hand stops a body that slips, and lets go: nothing was wound up that could move it again.
+/// A hand stops a slipping body and releases it: no stored drag moves it afterwards.
 TYPED_TEST(Friction, LeavesABodyWhereItWasStopped) {
   Slider<TypeParam> table({.k = law.k, .c = law.c, .mu = mu, .k_t = 2e5, .c_t = 2e4});
   table.body().v_W = Vec3(1, 0, 0);
@@ -193,7 +193,7 @@ TYPED_TEST(Friction, OfNothingHoldsNothing) {
   }
 }
 
-/// Where a stage of implicit Euler was solved in parts, its rate is that of the last part alone.
+/// After substeps in a stage of implicit Euler, the rate is that of the last substep alone.
 TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
   const Vec3 n_W = Vec3::UnitZ(), none = Vec3::Zero(), xi_W(4e-4, 2e-4, 0);
   const ContactPastOf<Real> of_step{

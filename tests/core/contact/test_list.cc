@@ -1,5 +1,5 @@
-// The list of contacts and what is around it: full lists, order, replay, bad parameters and inputs, bodies
-// that begin inside an obstacle, and that a scene without contacts has no room for any.
+// The list of contacts: full lists, order, replay, bad parameters and inputs, bodies that begin inside an
+// obstacle. A scene without contacts has no storage for any.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ TYPED_TEST(ContactList, KeepsTheDeepestWhenFullAndSaysSo) {
   EXPECT_EQ(run->x.contacts.size, 0u);
 }
 
-/// Of equally deep ones the first are kept.
+/// Keeps the first of equally deep contacts.
 TYPED_TEST(ContactList, IsInOrder) {
   const auto run = bar<TypeParam>(0);
   run->device().target.X_WD.p.z() = -0.002;
@@ -123,7 +123,7 @@ TYPED_TEST(ContactList, OutlivesInputsThatAreNoNumbers) {
   }
 }
 
-/// What has neither stiffness nor depenetration velocity bears nothing.
+/// A law without stiffness and depenetration velocity carries no force.
 TYPED_TEST(ContactList, TakesLawsWithoutStiffness) {
   for (const ContactLaw& soft :
        {ContactLaw{.push_out = 0}, ContactLaw{}, ContactLaw{.c = 1, .push_out = 0}}) {
@@ -145,7 +145,7 @@ TYPED_TEST(ContactList, TakesLawsWithoutStiffness) {
 
 // Bodies that begin inside.
 
-/// Highest speed of a sphere let go with its centre on the surface, and how deep it is after a second.
+/// Highest speed of a sphere released with its centre on the surface, and its depth after a second.
 struct LetOut {
   Real speed = 0, depth = 0;
 };
@@ -196,7 +196,7 @@ TYPED_TEST(ContactList, LetsBodiesOutSlowly) {
 
 using BarParams = Params<Touching<ImplicitEuler, 1, num_spheres, PoseDevice, 2, max_contacts>>;
 
-/// What validate() says of the bar after a change.
+/// Returns the result of validate() for the bar after a change.
 template <class Change>
 Invalid validated(Change change) {
   const auto run = bar<ImplicitEuler>();
@@ -262,7 +262,7 @@ struct Plain {
   using Feedback = LimitedFeedback;
 };
 
-/// Of a scene as it was before there were contacts.
+/// Parameters of a scene before there were contacts.
 template <class S>
 struct OldParams {
   Real h;

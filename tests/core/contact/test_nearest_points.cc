@@ -1,5 +1,5 @@
-// Contacts of a sphere with every kind of shape, on whatever carries it, against the nearest point by brute force:
-// depth, normal and contact point, of the list that a step of either integrator makes.
+// Contacts of a sphere with every kind of shape, on the world or on bodies, against the nearest point by
+// brute force. Compared are depth, normal and contact point in the list of a step of either integrator.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace {
 
 enum class Carrier { obstacle, free, jointed };
 
-/// What a scene may have: bodies that touch the world alone, each other, and on joints.
+/// Kinds of scenes: bodies that touch the world alone, each other, and on joints.
 template <class S>
 struct InScene : ::testing::Test {};
 using Scenes = ::testing::Types<OneTool<ImplicitEuler>, OneTool<TrBdf2>, FewBodies<ImplicitEuler>,

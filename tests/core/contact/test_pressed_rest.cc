@@ -1,4 +1,4 @@
-// A body that a spring presses against obstacles comes to rest, whatever the stiffness, damping, step and press.
+// A body pressed against obstacles by a spring comes to rest, for any stiffness, damping, step and force.
 #include <gtest/gtest.h>
 
 #include "tests/core/contact/pressed_box.h"

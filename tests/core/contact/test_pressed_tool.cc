@@ -47,7 +47,7 @@ Running<OneTool<I>> pressed_tool(Real k) {
   return run;
 }
 
-/// Of a run of 10 s, from 3 s on.
+/// Result of a run of 10 s, from 3 s on.
 struct Steady {
   Real least = 1, most = 0;     // depth, m
   Real jitter = 0;              // rms of its change in a step, m

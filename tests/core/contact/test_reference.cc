@@ -149,7 +149,7 @@ TEST_F(ContactReference, PressWithTrBdf2) {
   EXPECT_GT(mean_order(e), 1.7);
 }
 
-/// What a ball does between two impacts.
+/// Motion of a ball between two impacts.
 struct Flight {
   double apex = 0;     // above where it touches, m
   double landing = 0;  // s

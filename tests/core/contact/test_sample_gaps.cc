@@ -1,4 +1,4 @@
-// Gaps in the samples of a device, from one step to a hundred: no force that was not there without them, no jump.
+// Gaps in the samples of a device, from one step to a hundred: no additional force, no jump.
 #include <gtest/gtest.h>
 
 #include "tests/core/contact/contact_scene.h"
@@ -8,7 +8,7 @@ namespace {
 
 constexpr Real h = 1e-3;
 constexpr int num_steps = 12'000;
-/// Where the motion bends a bridge is off by a little.
+/// The error of a bridge on a curved motion is small.
 constexpr Real tolerance = 1.03;
 
 /// A tool with a haptic device, above the half-space z < 0.
@@ -158,7 +158,7 @@ TYPED_TEST(SampleGaps, ShowNothingThatWasNotThere) {
   }
 }
 
-/// What the host has missed of the device's time is a gap like any other.
+/// Missed time of the host is a gap like any other.
 TYPED_TEST(SampleGaps, TimeWithoutAStepIsOne) {
   using Device = typename TypeParam::Device;
   if constexpr (!std::is_same_v<Device, RelativeDevice>) {

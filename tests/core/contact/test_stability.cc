@@ -1,5 +1,4 @@
-// Contacts over the ranges of stiffness, damping and step that a scene may have: finite, and no energy but the
-// hand's.
+// Contacts over the ranges of stiffness, damping and step of scenes: finite, and no energy except the hand's.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -11,7 +10,7 @@
 namespace godobject::test_contact_stability {
 namespace {
 
-/// What happens to the body.
+/// Treatment of the body.
 enum class Deed { dropped, thrown, pressed, dragged };
 
 struct SweepCase {
@@ -60,9 +59,9 @@ void drag(Rod<I>& run) {
   run.device().target.V_WD.v = Vec3(0.5 * std::sin(10 * u), 0.42 * std::sin(14 * u), 0);
 }
 
-/// By how much the energy of body, coupling and gravity (J) goes beyond the first and the work of the hand.
-/// What is in the contact springs is missing from it: a stiff one holds joules for the error of a body's turn
-/// in a step, which do not come back.
+/// Returns the gain of the energy of body, coupling and gravity over the initial energy and the work of the
+/// hand, J. The energy of contact springs is left out. A stiff one stores joules by the error of a body's
+/// rotation in a step, and does not return them.
 template <class I>
 Real gain(const SweepCase& c, Real seconds) {
   auto run = rod<I>(c);

@@ -25,10 +25,11 @@ struct Tethered {
 };
 
 constexpr Real duration = 0.128, radius = 0.01, link = 0.06;  // s, m, m
-// what it starts with is all pressed, not put there: no rest penetration (35)
+// all initial depth is pressed, none is rest penetration (35)
 constexpr ContactLaw floor_law{.k = 800, .c = 1.5, .push_out = 10};
 
-/// A link of 0.06 m along x on the ground, by a sphere at either end, its hinge about y, and the second link up from it.
+/// A link of 0.06 m along x on the ground, by a sphere at either end, its hinge about y. The second link
+/// stands on it.
 template <class S>
 struct Rig : Running<S> {
   using Running<S>::par;
@@ -97,7 +98,7 @@ struct Rig : Running<S> {
   }
 };
 
-/// The same by the oracle at the end, a node as a ball whose springs are at its centre.
+/// Returns the result of the oracle at the end; a node is a ball with its springs at the centre.
 oracle::Solution solved_exactly(Real l_0) {
   using Tether = Rig<Tethered<TrBdf2>>;
   const Tether rig(1e-3, l_0);
@@ -182,7 +183,7 @@ TEST(Terms, AreInWhatAJointBears) {
   EXPECT_LT((rig->out.bodies[1].joint.F_C.f - exact).norm(), 2e-2 * exact.norm());
 }
 
-/// Particles that hang on the first two links of a chain whose stages are parted (39).
+/// Particles on the first two links of a chain whose stages are subdivided (39).
 template <class I>
 void expect_chain_to_hold(Real m, Real k) {
   using S = Tethered<I>;
@@ -277,13 +278,14 @@ void expect_no_gain() {
               I::name, least);
 }
 
-// springs without rest length are linear: 1 to 1e8 N/m between 1e-6 and 1 kg, undamped and damped, at 0.1 to 5 ms
+// springs without rest length are linear: 1 to 1e8 N/m between 1e-6 and 1 kg, undamped and damped, at 0.1 to
+// 5 ms
 TEST(Terms, WebsOfLinearSpringsNeverGain) {
   expect_no_gain<ImplicitEuler>();
   expect_no_gain<TrBdf2>();
 }
 
-/// A node that lies on the floor weighs what it weighs: what it gains is told.
+/// A node on the floor carries its weight; its energy gain is reported.
 TEST(Terms, BalanceTellsOfNodesThatTouch) {
   using S = Web<ImplicitEuler>;
   auto run = std::make_unique<Running<S>>();
@@ -309,7 +311,7 @@ TEST(Terms, BalanceTellsOfNodesThatTouch) {
   ASSERT_EQ(run->out.contacts.num_contacts, 1u);
   EXPECT_FALSE(balance.gains());
   for (int n = 0; n < 40; ++n) {
-    run->x.nodes[0].v_W.x() += 0.5;  // by nobody
+    run->x.nodes[0].v_W.x() += 0.5;  // without external work
     step();
   }
   EXPECT_TRUE(balance.gains());

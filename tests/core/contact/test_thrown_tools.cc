@@ -82,7 +82,8 @@ void put_above_floor(Running<S>& run) {
 
 struct Worst {
   Real gain =
-      0;  // of the most kinetic energy; without what is in the springs of contacts: none at first, never negative
+      0;  // share of the largest kinetic energy, without the energy of contact springs, which is zero at
+          // first and never negative
   Real drift = 0;  // m
 };
 
@@ -117,7 +118,8 @@ constexpr unsigned num_throws = 1500;
 constexpr unsigned num_throws = 15;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
-/// Of the most kinetic energy. One of the 12 000 has 1.3e-3, of what the springs of its contacts had (decision 044).
+/// Limit, as a share of the largest kinetic energy. One of the 12 000 has 1.3e-3, from the springs of its
+/// contacts (decision 044).
 constexpr Real most_gain = 2e-3;
 
 template <class I>

@@ -64,7 +64,7 @@ TYPED_TEST(ContactTools, RandomToolsOnObstaclesGainNothing) {
     }
     ASSERT_EQ(validate(run.par), Invalid::nothing);
     const Real first = energy(run.par, run.x);
-    // gravity's and the springs' zero are not the lowest: what there is to be had
+    // the zeros of gravity and springs are not the lowest: available energy
     Real available = 0;
     for (std::size_t i = 0; i < run.par.num_bodies; ++i)
       available += run.par.bodies[i].body.m * 9.81 * size + coupling_at(run.par, run.x, i).energy;

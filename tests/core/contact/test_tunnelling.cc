@@ -1,4 +1,4 @@
-// What is thrown at a solid no faster than it is promised to be held does not pass it, and bricks do not cut each other.
+// Bodies thrown at a solid within the promised speed do not pass it, and bricks do not cut each other.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,14 +70,14 @@ struct BallAndBox {
   bool is_past(const FaceHit& face) const {
     return face.depth(box.q.conjugate() * (run->body().X_WB.p - box.p)) > thin;
   }
-  /// Enough for what takes some periods of sqrt(m / stiffness).
+  /// Returns the steps of some periods of sqrt(m / stiffness).
   int steps_for(Real stiffness) const {
     return static_cast<int>(std::min(20 + (0.2 + 20 * std::sqrt(m / stiffness)) / h, 20000.0));
   }
 };
 
-/// A ball thrown straight at a face of a box of the world, at up to 95 % of the speed that `check` promises
-/// (platform/scene/top_speed.h).
+/// Throws a ball straight at a face of a box of the world. Its speed is at most 95 % of that promised by
+/// `check` (platform/scene/top_speed.h). Returns true if it passes.
 template <class I>
 bool passes(unsigned seed) {
   BallAndBox<I> of(seed, 5e-4);
@@ -95,7 +95,7 @@ bool passes(unsigned seed) {
   return false;
 }
 
-/// The same at a box that a body carries, which is too heavy to move. cover: the ball has a shape of its own.
+/// Throws a ball at a box on a body too heavy to move. cover: the ball has a shape of its own.
 template <class I>
 bool passes_body(unsigned seed, bool cover) {
   BallAndBox<I> drawn(seed, 5e-4);
@@ -159,10 +159,11 @@ TYPED_TEST(Tunnelling, ABallBesideAnEdgeIsHeld) {
   }
 }
 
-/// What became of a ball that is let go up to 1 m from its target, with a box between.
+/// Outcome of a ball released up to 1 m from its target, with a box between.
 enum class Outcome { held, moves, passed, too_soft, fault };
 
-/// The coupling may be so stiff that it is there in a step, and its spring holds no more energy than that of the contact.
+/// The coupling may be so stiff that it acts within a step, and its spring holds at most the energy of the
+/// contact's.
 template <class I>
 Outcome let_go(unsigned seed) {
   BallAndBox<I> of(seed, 2e-4);
@@ -209,8 +210,8 @@ struct Cut {
   Real depth = 0, thin = 0;
 };
 
-/// Two boxes with small spheres at their corners, at each other as fast as `check` promises at most, by their fastest points
-/// (platform/scene/top_speed.h).
+/// Throws two boxes with small spheres at their corners at each other. The speed of their fastest points is
+/// at most that promised by `check` (platform/scene/top_speed.h).
 template <class I>
 Cut cut(unsigned seed) {
   Random random(seed);
@@ -270,7 +271,7 @@ class SideMeeting {
                k = random_.log_uniform(0.01, 8) * brick_mass / (h * h),
                m_a = random_.integer(0, 1) * 1e6 * brick_mass + brick_mass;
     r_ = thin * random_.log_uniform(0.02, 0.3);
-    // 97 % of what `check` promises at most (platform/scene/top_speed.h)
+    // at most 97 % of the speed that `check` promises (platform/scene/top_speed.h)
     speed_ = random_.uniform(0.1, 0.97) *
              std::min(0.3 * thin / h, 0.5 * thin * std::sqrt(k * (m_a + brick_mass) / (m_a * brick_mass)));
     pile_->par.h = h;

@@ -1,5 +1,5 @@
-// The scenes that most tests of contacts run: one tool on obstacles, and a few bodies among each other. Another capacity would
-// be another step to compile.
+// Scenes of most tests of contacts: one tool on obstacles, and a few bodies among each other. Another
+// capacity would be another step to compile.
 #pragma once
 
 #include "tests/core/contact/bodies/bricks.h"

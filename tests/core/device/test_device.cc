@@ -184,7 +184,7 @@ TEST(AdmittanceDeviceDrives, AgainstItsSpringTiedToWhereItWasEngaged) {
   EXPECT_TRUE(has(run.out.limited, Limited::held));
 }
 
-/// Faster than half a turn in a step: what a gap is bridged with is an attitude all the same.
+/// Faster than half a turn in a step: the bridged attitude is a valid one all the same.
 TEST(DeviceGap, IsBridgedWithAnAttitudeHoweverFastItTurned) {
   for (const Real turn_rate : {1e3, 1e4, 1e6, 1e12}) {
     Running<OneBody<TrBdf2>> run;

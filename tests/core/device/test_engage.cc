@@ -1,4 +1,4 @@
-// Engaging, re-engaging and letting go move nothing and jump nothing.
+// Engaging, re-engaging and releasing move nothing and cause no jump.
 #include <gtest/gtest.h>
 
 #include "tests/core/one_body.h"

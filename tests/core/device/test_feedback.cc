@@ -82,7 +82,7 @@ TEST(Feedback, GainsOfZeroShowNothing) {
   EXPECT_EQ(run.out.limited, Limited::none);
 }
 
-/// For three steps, or for how long the device says, what was shown stays.
+/// The displayed wrench stays for three steps, or for the time that the device sets.
 TEST(Feedback, FadesOutWhenTheSampleIsLost) {
   for (const int still : {3, 30}) {
     Running<OneBody<TrBdf2, PoseDevice, DampedSpring, LimitedFeedback>> run;

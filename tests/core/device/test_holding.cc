@@ -1,4 +1,4 @@
-// Grab and release: a device that takes hold of bodies in mid-motion and lets go of them.
+// Grab and release: a device grips moving bodies and releases them.
 #include <gtest/gtest.h>
 
 #include "tests/core/one_body.h"
@@ -91,8 +91,8 @@ class Holding : public ::testing::Test {};
 using Integrators = ::testing::Types<ImplicitEuler, TrBdf2>;
 TYPED_TEST_SUITE(Holding, Integrators);
 
-/// Wherever the two are and however they move and turn: after the step of the capture the target is where the
-/// body is, and nothing has pulled. (How free that step is: tests/core/device/test_engage.cc.)
+/// For any poses and velocities of the two: after the step of the capture the target is at the body, and no
+/// force has acted. (Freedom of that step: tests/core/device/test_engage.cc.)
 TYPED_TEST(Holding, CapturesThePoseAtThatInstant) {
   Random random(3);
   for (int n = 0; n < 200; ++n) {
@@ -111,7 +111,8 @@ TYPED_TEST(Holding, CapturesThePoseAtThatInstant) {
   }
 }
 
-/// Largest values while a body of 2 m/s and 20 rad/s is taken, carried and taken anew, half a second each.
+/// Largest values while a body of 2 m/s and 20 rad/s is gripped, carried and gripped once more, half a second
+/// each.
 struct Largest {
   Real df = 0, dtau = 0;  // change of the pull from step to step, N, N m
 };
@@ -144,7 +145,7 @@ TYPED_TEST(Holding, ThePullRisesContinuously) {
   EXPECT_NEAR(coarse.df / fine.df, 4, 0.5)
       << coarse.df << " " << fine.df;  // of order h, as of any continuous force
   EXPECT_NEAR(coarse.dtau / fine.dtau, 4, 0.5) << coarse.dtau << " " << fine.dtau;
-  EXPECT_GT(largest<TypeParam>(1e-3, 0).df, 10 * coarse.df);  // what the ramp is for: the damper at once
+  EXPECT_GT(largest<TypeParam>(1e-3, 0).df, 10 * coarse.df);  // purpose of the ramp: the full damper at once
 }
 
 TYPED_TEST(Holding, ABodyHeldAtRestStays) {
@@ -238,7 +239,7 @@ TYPED_TEST(Holding, BetweenTwoHoldsTheDeviceDrivesNothing) {
   EXPECT_EQ(game.pull().f.norm() + game.pull().tau.norm() + game.out.bodies[0].feedback.F_D.f.norm(), 0);
 }
 
-/// Samples lost while holding: as for a device of absolute pose that is told the body's place in the hand.
+/// Samples lost while holding: as for a device of absolute pose at the body's place in the hand.
 TYPED_TEST(Holding, ALostSampleIsThatOfAPoseDevice) {
   Game<TypeParam> game;
   place(game.x, 0, {.X_WB = {.p = Vec3(0.2, 0, 0.1), .q = Quat(0.5, 0.5, 0.5, 0.5)}, .V_WB = {}});
@@ -272,7 +273,7 @@ TYPED_TEST(Holding, ALostSampleIsThatOfAPoseDevice) {
   }
 }
 
-/// After a long gap it takes hold anew, of the body where that is then.
+/// After a long gap it grips the body where it is then.
 TYPED_TEST(Holding, AfterALongGapItTakesHoldAnew) {
   Game<TypeParam> game;
   place(game.x, 0, {.X_WB = {.p = Vec3(0.2, 0, 0.1), .q = Quat(0.5, 0.5, 0.5, 0.5)}, .V_WB = {}});

@@ -15,8 +15,8 @@ struct PulledApart {
   bool fault = false;
 };
 
-/// A random tree of 2 to 8 bodies with masses of 10 g to 10 kg, on joints of all kinds, that starts joined and at rest.
-/// change(drawn): what a study has otherwise than it was drawn.
+/// Draws a random tree of 2 to 8 bodies with masses of 10 g to 10 kg, on joints of all kinds, joined and at
+/// rest at first. change(drawn): deviation of a study from the drawn case.
 template <class I, class Change = void (*)(PulledApart&)>
 PulledApart pulled_apart(
     unsigned seed, Change change = [](PulledApart&) {}) {

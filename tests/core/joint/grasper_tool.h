@@ -1,5 +1,5 @@
 // A grasper on its device: a trocar that pitches and yaws about the world's origin, a tube that slides and
-// turns in it, two jaws on the tube. The device's motion is in closed form.
+// turns in it, two jaws. The device's motion has a closed form.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -147,7 +147,7 @@ class GrasperTool : public Running<Articulated<I, J>> {
   Real time() const { return static_cast<Real>(ticks_) * this->par.h; }
   Drift drift() const { return godobject::drift(this->par, this->x); }
   Real energy() const { return godobject::energy(this->par, this->x); }
-  /// Of the tool, were it to move with the device.
+  /// Returns the energy of the tool if it moved with the device, J.
   Real device_energy(Real t) const {
     State<S> on_device = this->x;
     const std::array<Target, 4> targets = motion.at(t);

@@ -1,5 +1,5 @@
-// Tools with heavy ends that are let go: what energy they gain, and whether their joints hold. A gain is measured against the
-// most kinetic energy there has been.
+// Tools with heavy ends, released: energy gains and joint violations. A gain is measured against the largest
+// kinetic energy so far.
 #pragma once
 
 #include <memory>
@@ -35,8 +35,8 @@ Swung swing(Running<S>& run, int steps) {
   return worst;
 }
 
-/// The chains of the issue: links of 50 g on ball joints, the last one `ratio` times heavier, released at an angle from
-/// hanging.
+/// Swings the chains of the issue: links of 50 g on ball joints, the last one `ratio` times heavier, released
+/// at an angle from the vertical.
 template <class I>
 Swung released_chain(std::size_t links, Real ratio, Real angle, Real h = 1e-3, int steps = 20000) {
   using S = Articulated<I>;

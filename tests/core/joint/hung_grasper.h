@@ -1,5 +1,5 @@
-// The grasper of scene S3 with gravity and full feedback, on a device with the same joints: a vertical tool whose tip
-// is below the trocar.
+// The grasper of scene S3 with gravity and full feedback, on a device with the same joints. The tool is
+// vertical, its tip below the trocar.
 #pragma once
 
 #include <array>
@@ -71,7 +71,8 @@ class HungGrasper {
   Wrench coupling(std::size_t i) const { return coupling_at(all_->par, all_->x, i).F_WB; }
   const JointVector& device_rates() const { return rates_; }
 
-  /// Weight, coupling and joints of a body at rest about its centre of mass: zero, if the reactions are right.
+  /// Returns the sum of weight, coupling and joint wrenches of a body at rest about its centre of mass: zero
+  /// for correct reactions.
   Wrench unbalanced(std::size_t i) const {
     Wrench F = coupling(i);
     F.f.z() -= mass(i) * gravity;

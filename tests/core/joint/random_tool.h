@@ -49,7 +49,7 @@ inline ChildInParent child_in_parent(JointKind kind, const JointMove& m) {
   return c;
 }
 
-/// Where body i with its joint at m belongs, its parent being placed.
+/// Returns the place of body i with its joint at m, for a placed parent.
 template <Scene S>
 Start joined(const Params<S>& par, const State<S>& x, std::size_t i, const JointMove& m) {
   const JointParams& joint = par.bodies[i].joint;
@@ -73,7 +73,8 @@ inline JointFrame random_frame(Random& random, Real size) {
 inline constexpr std::array joint_kinds{JointKind::fixed,  JointKind::ball,        JointKind::hinge,
                                         JointKind::slider, JointKind::cylindrical, JointKind::universal};
 
-/// A body and its joint to a random body before it; the root hangs on the world, or is free one time in four.
+/// Adds a body and its joint to a random body before it. The root is a child of the world, or free one time
+/// in four.
 template <Scene S>
 void add_random_body(Params<S>& par, std::size_t i, Real size, Random& random) {
   BodyParams<S>& body = par.bodies[i];

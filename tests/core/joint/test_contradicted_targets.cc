@@ -1,5 +1,5 @@
-// Tools whose targets contradict their joints: each body is pulled to where the others do not let it be. They come to
-// rest, whatever the stiffness.
+// Tools whose targets contradict their joints: couplings pull each body away from its place on the others.
+// They come to rest at any stiffness.
 #include <memory>
 
 #include <gtest/gtest.h>

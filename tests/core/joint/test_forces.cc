@@ -1,4 +1,4 @@
-// Forces of a grasper at rest and in motion: joint reactions, motor torques through (8) and (9), virtual power.
+// Forces of a grasper at rest and in motion: joint reactions, motor torques by (8) and (9), virtual power.
 #include <gtest/gtest.h>
 
 #include "core/godobject.h"
@@ -18,8 +18,8 @@ TEST(Forces, ReactionsOfAToolThatHangsStraight) {
   const Real sag = weight / (k_tube + 2 * k_jaw);  // tube and jaws slide down as one
   for (const std::size_t i : {1u, 2u, 3u})
     EXPECT_NEAR(tool.target(i).X_WD.p.z() - tool.body(i).X_WB.p.z(), sag, tolerance) << i;
-  // the trocar carries itself; the tube slides, so its joint carries nothing along its axis; a jaw hangs on its hinge
-  // with what its own spring does not carry
+  // the trocar carries itself; the tube slides, so its joint carries nothing along its axis; a jaw's hinge
+  // carries the rest of its own spring
   EXPECT_NEAR(tool.reaction(0).f.z(), tool.mass(0) * g, tolerance);
   EXPECT_NEAR(tool.reaction(1).f.z(), 0, tolerance);
   for (const std::size_t i : {2u, 3u}) {
@@ -46,7 +46,7 @@ TEST(Forces, ReactionsBalanceEveryBodyAtRest) {
   }
 }
 
-// What rests needs, by virtual work, the torques that hold the weight of all that a joint moves.
+// At rest, by virtual work, motors need the torques that balance the weight of all that a joint moves.
 TEST(Forces, MotorTorquesAreThoseThatHoldTheTool) {
   HungGrasper tool;
   JointVector q(6);

@@ -1,5 +1,5 @@
-// Heavy bodies at the end of light ones, which snap taut within a step: no energy is made of it, and the joints
-// hold (39).
+// Heavy bodies at the end of light ones, which snap taut within a step: the energy does not increase, and the
+// joints hold (39).
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TYPED_TEST(HeavyEnds, ReleasedChainsGainNothing) {
       }
 }
 
-/// Chains on ball joints with one heavy end, trees of joints that turn with masses spread at random, and the same thrown.
+/// Chains on ball joints with one heavy end, trees of hinges with random masses, and the same thrown.
 enum class Kind { chain, tree, thrown };
 
 template <class I>
@@ -51,7 +51,7 @@ Swung random_case(Kind kind, unsigned seed, int finer = 1) {
       b.joint.parent = i == 0 ? world : i - 1;
     }
     if (kind == Kind::tree && b.joint.kind == JointKind::free) b.joint.kind = JointKind::ball;
-    // what slides falls for ever
+    // sliding bodies fall for ever
     if (b.joint.kind == JointKind::slider || b.joint.kind == JointKind::cylindrical)
       b.joint.kind = JointKind::hinge;
   }

@@ -1,4 +1,4 @@
-// Imposed joints: g(x, t) = 0, the joint goes where the device's coordinates go, whatever acts on it.
+// Prescribed joints: g(x, t) = 0, the joint follows the device's coordinates under any load.
 #include <iostream>
 
 #include "tests/core/joint/grasper_tool.h"
@@ -10,7 +10,7 @@ namespace {
 
 using Imposing = TreeJoints<None, PrescribedJoints>;
 
-/// Coordinates of a joint of a kind that can be imposed.
+/// Returns the coordinates of a joint of a kind that can be prescribed.
 JointCoordinates coordinates(JointKind kind, const JointFrames& X) {
   JointCoordinates q = JointCoordinates::Zero();
   with_joint(kind, [&](auto joint) {
@@ -29,7 +29,7 @@ JointFrames frames_at(JointKind kind, const JointCoordinates& q, Random& random)
   return {.R_WP = R_WP, .R_WC = R_WP * c.R, .d_W = R_WP * c.d};
 }
 
-/// A ball joint beside an imposed one is led nowhere.
+/// A ball joint beside a prescribed one is not prescribed.
 TEST(ImposableJoints, ThreeTurnsHaveNoCoordinates) {
   const JointCoordinates q(1, 2);
   EXPECT_EQ(unwrapped(q, JointCoordinates(7, -7), 3), q);
@@ -58,7 +58,7 @@ template <class I>
 class Prescribed : public ::testing::Test {};
 TYPED_TEST_SUITE(Prescribed, BothIntegrators);
 
-/// A bar on one imposed joint, its centre 0.1 m along x.
+/// A bar on one prescribed joint, its centre 0.1 m along x.
 template <class I>
 class ImposedBar : public Running<Articulated<I, Imposing>> {
  public:
@@ -101,7 +101,7 @@ TYPED_TEST(Prescribed, EveryKindFollowsItsCoordinates) {
   }
 }
 
-/// The grasper with both jaws imposed.
+/// The grasper with both jaws prescribed.
 template <class I>
 class ImposedGrasper : public GrasperTool<I, Imposing> {
  public:
@@ -174,7 +174,7 @@ TYPED_TEST(Prescribed, ReactionHoldsTheLoad) {
   const Wrench& F_C = bar.out.bodies[0].joint.F_C;
   EXPECT_LT((F_C.f + weight).norm(), 1e-9);
   EXPECT_LT((F_C.tau + Vec3(0.1, 0, 0).cross(weight)).norm(), 1e-9);
-  EXPECT_NEAR(F_C.tau.z(), 0.1 * 0.5 * 9.81, 1e-9);  // what turns the jaw is not left to it
+  EXPECT_NEAR(F_C.tau.z(), 0.1 * 0.5 * 9.81, 1e-9);  // torque about the axis, carried by the joint
   EXPECT_LT(bar.q().norm(), 1e-12);
 }
 

@@ -1,4 +1,4 @@
-// Bodies worked on in groups of four against one by one, and what groups are made of against plain numbers.
+// Bodies in groups of four against single ones, and operations of groups against plain numbers.
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 

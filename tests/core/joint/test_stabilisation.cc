@@ -81,8 +81,8 @@ Drift drift_in_motion(const char* name, Real stiffness) {
   return all;
 }
 
-/// At 1 kHz. What is linearised where the stage starts leaves the square of h V, at the prediction that of
-/// what the prediction lacks.
+/// At 1 kHz. Linearised at the start of the stage, the error is the square of h V; at the prediction, the
+/// square of the prediction's error.
 TEST(Stabilisation, DriftInMotion) {
   for (const Real stiffness : {1e3, 1e5, 1e7}) {
     EXPECT_LT((drift_in_motion<BaumgarteImplicit>("(5) on the new state", stiffness).m), 3e-5);

@@ -1,4 +1,4 @@
-// Stops at the ends of joints: the law (19), and what it does to a joint that is thrown or pressed at it.
+// Stops at the ends of joints: the law (19), and its effect on a joint that is thrown or pressed against it.
 #include <iostream>
 
 #include "tests/core/joint/grasper_tool.h"
@@ -91,8 +91,8 @@ template <class I>
 class Stops : public ::testing::Test {};
 TYPED_TEST_SUITE(Stops, BothIntegrators);
 
-/// A coordinate thrown at its upper stop. Not counted is what the stop stores: a body that enters a stiff one
-/// within a step is deeper in it than its kinetic energy would take it, but does not get that back.
+/// A coordinate thrown at its upper stop. The energy stored by the stop is not counted. A body that enters a
+/// stiff stop within a step is deeper than its kinetic energy explains, but does not regain that energy.
 struct Throw {
   Real beyond = 0, energy = 0;  // deepest, and highest kinetic energy as a share of the first
   bool back = false;

@@ -1,5 +1,4 @@
-// What cannot gain energy does not, joints and all: random tools, long chains; what is apart is pulled
-// together.
+// Passive tools do not gain energy, joints included: random tools, long chains; separated joints are closed.
 #include <iostream>
 #include <memory>
 
@@ -67,7 +66,8 @@ TEST(ToolEnergyOfImplicitEuler, FreeToolsGainNothing) {
   EXPECT_GT(moving, 1000);
 }
 
-/// Tools let go beside their targets, any stiffness and damping, bodies up to 1000 times heavier than others.
+/// Tools released beside their targets, at any stiffness and damping, bodies up to 1000 times heavier than
+/// others.
 TEST(ToolEnergyOfImplicitEuler, CoupledToolsGainNothing) {
   Random random(2);
   for (int n = 0; n < 3000; ++n) {
@@ -87,8 +87,8 @@ TEST(ToolEnergyOfImplicitEuler, CoupledToolsGainNothing) {
   }
 }
 
-/// Targets thrown so far from where the joints let the bodies go that attitudes are off by up to half a turn:
-/// joints are torn apart for a while, and no energy is made of it again and again.
+/// Targets so far from the reach of the joints that attitudes are off by up to half a turn. Joints are
+/// violated for a while, and the energy does not grow repeatedly.
 TYPED_TEST(ToolEnergy, TargetsFarOffLeaveTheToolBounded) {
   Random random(3);
   for (int n = 0; n < 2000; ++n) {

@@ -10,7 +10,7 @@
 namespace godobject::test_tool_stability {
 namespace {
 
-/// What a run went through.
+/// Extremes of a run.
 struct Passed {
   Drift drift;
   Real energy = 0;  // highest of tool and coupling, by the highest of a tool that moves with the device
@@ -79,14 +79,14 @@ TYPED_TEST(ToolStability, AnyStep) {
       const Passed p = follow(tool, 2);
       SCOPED_TRACE(testing::Message() << "h " << h << ", stiffness " << stiffness << ": " << p);
       EXPECT_FALSE(p.fault);
-      // at 1e10 N/m and 10 ms the drift itself loads the springs: four of them by the drift that is allowed, 8 J
+      // at 1e10 N/m and 10 ms the drift itself loads the springs: four of them by the allowed drift, 8 J
       EXPECT_LT(p.energy, 8);
       EXPECT_LT(p.drift.m, 20 * h * h * h);
       EXPECT_LT(p.drift.rad, 1000 * h * h * h);
     }
 }
 
-/// The device's loop again and again; the samples of one loop are made once.
+/// Repeats the device's loop; the samples of one loop are computed once.
 template <class I>
 void expect_no_growing_drift(long num_loops) {
   GrasperTool<I> tool;
@@ -142,8 +142,8 @@ TYPED_TEST(ToolStability, UndrivenJawsHangOnTheTube) {
   }
 }
 
-/// The device jumps anywhere in its range every 100 steps: joints torn apart by stiff springs that throw the
-/// bodies across in a step are together again by the next jump.
+/// The device jumps within its range every 100 steps. Joints violated by stiff springs, which throw the
+/// bodies across in a step, are closed by the next jump.
 TYPED_TEST(ToolStability, JumpsOfTheDevice) {
   Random random(1);
   test::Share share;
@@ -162,7 +162,7 @@ TYPED_TEST(ToolStability, JumpsOfTheDevice) {
     }
 }
 
-/// All samples lost for a while, or the device let go and taken up again, in the middle of the motion.
+/// All samples lost for a while, or the device disengaged and engaged, during the motion.
 TYPED_TEST(ToolStability, GapsOfTheDevice) {
   GrasperTool<TypeParam> tool;
   for (std::size_t i = 0; i < 4; ++i) tool.par.bodies[i].device = {.rise = 0.5, .lost = 0.02};

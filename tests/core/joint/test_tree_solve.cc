@@ -1,4 +1,4 @@
-// The elimination along the tree against its plain twin: one dense matrix of all twists and all joint wrenches.
+// Elimination along the tree against a plain solution: one dense matrix of all twists and all joint wrenches.
 #include "core/joint/tree_solve.h"
 
 #include <random>
@@ -91,7 +91,7 @@ class RandomTree {
       K.block<6, 6>(i, n + i) = -Matrix6::Identity();
       r.segment<6>(i) = node.b;
       if (!on_world) K.block<6, 6>(p, n + i) = X.transpose();
-      // joint, V = X V_parent + S q' + beta: no motion across S; along it F does what acts on the coordinate itself
+      // joint, V = X V_parent + S q' + beta: no motion across S; along it F is the force on the coordinate
       const MatrixXd S = node.S();
       const MatrixXd Q =
           MatrixXd(Eigen::HouseholderQR<MatrixXd>(S).householderQ() * MatrixXd::Identity(6, 6));
@@ -117,7 +117,7 @@ class RandomTree {
     return K.fullPivLu().solve(r);
   }
 
-  /// The same by elimination.
+  /// Returns the solution by elimination.
   VectorXd eliminated() {
     std::array<ArticulatedBody, num_bodies> bodies;
     for (std::size_t k = 0; k < num_bodies; ++k) {

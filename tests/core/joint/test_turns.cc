@@ -161,8 +161,8 @@ Bounce thrown_at(const Turn& turn, const Throw& t, Real end) {
   return b;
 }
 
-/// Stops soft and stiff, narrow and wide, anywhere: as deep as the same stop at zero, never passed, and left with
-/// no more energy than the bar came with.
+/// Stops soft and stiff, narrow and wide, anywhere. As deep as the same stop at zero, never passed, and left
+/// with at most the energy of the approach.
 template <class S>
 void expect_stops_anywhere(unsigned seed, int draws) {
   Random random(seed);

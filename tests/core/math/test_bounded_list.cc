@@ -20,7 +20,7 @@ struct Item {
 constexpr std::size_t max_items = 20;
 using List = BoundedList<Item, max_items, Item::is_deeper, Item::comes_before>;
 
-/// Of equal depths the first are kept; all in their order.
+/// Keeps the first of equal depths, all in order.
 TEST(BoundedList, KeepsTheDeepestInOrder) {
   Random random(1);
   for (int n = 0; n < 500; ++n) {
@@ -55,7 +55,7 @@ TEST(BoundedList, ForgetsWhatWasAddedSince) {
   EXPECT_EQ(list.num_found, found);
 }
 
-/// What a full list was to forget may be added again.
+/// An item that a full list could not remove may be added once more.
 TEST(BoundedList, HoldsNoneTwice) {
   Random random(2);
   for (int n = 0; n < 200; ++n) {

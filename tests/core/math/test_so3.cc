@@ -67,7 +67,7 @@ TEST(So3, TurnFromZIsTheShortest) {
   for (int i = 0; i < 1000; ++i) {
     const Vec3 u = random.direction();
     const Quat q = turn_from_z(random.uniform(0.1, 10) * u);
-    const Real rounding = 1e-15 / (1 + u.z());  // what is left of the digits of z.u
+    const Real rounding = 1e-15 / (1 + u.z());  // remaining digits of z.u
     EXPECT_LE((to_world(q, Vec3::UnitZ()) - u).norm(), 4 * rounding);
     EXPECT_NEAR(q.norm(), 1, rounding);
     EXPECT_EQ(q.z(), 0);  // nothing about z itself

@@ -22,20 +22,20 @@ struct NetScene {
   using Net = MassSpringNet<nodes, springs, contacts>;
 };
 
-/// With the parts that the program's scenes with nets have: joints, stops, imposed joints and feedback.
+/// With the parts of the program's scenes with nets: joints, stops, prescribed joints and feedback.
 template <class I>
 struct JointedNetScene : NetScene<I> {
   using Joints = TreeJoints<JointStops, PrescribedJoints>;
   using Feedback = LimitedFeedback;
 };
 
-/// And with room for attachments.
+/// With capacity for attachments.
 template <class I>
 struct AttachedNetScene : JointedNetScene<I> {
   using Net = MassSpringNet<65, 400, 256, 32>;
 };
 
-/// What all springs of a net are, and all of its anchors.
+/// Properties of all springs and anchors of a net.
 struct Stuff {
   Real m = 1e-4;          // of a node, kg
   Real k = 100, g = 0;    // N/m, N s/m
@@ -88,7 +88,8 @@ void add_sheet(Params<S>& par, const Stuff& of, std::uint32_t nx, std::uint32_t 
   put_in_order(par.net);
 }
 
-/// A tube about z of `along` rings of `round` nodes, `a` apart, each ring turned by half a step against the one before.
+/// Adds a tube about z of `along` rings of `round` nodes, `a` apart. Each ring is turned by half a step
+/// against the previous one.
 template <class S>
 void add_tube(Params<S>& par, const Stuff& of, std::uint32_t round, std::uint32_t along, Real a) {
   const auto first = static_cast<std::uint32_t>(par.net.num_nodes);
@@ -112,7 +113,8 @@ void add_tube(Params<S>& par, const Stuff& of, std::uint32_t round, std::uint32_
   put_in_order(par.net);
 }
 
-/// `nodes` nodes drawn at random within a ball; each hangs on one before it, and as many springs again join any two.
+/// Adds `nodes` random nodes within a ball. Each is joined to one before it, and as many more springs join
+/// any two.
 template <class S>
 void add_tangle(Random& random, Params<S>& par, const Stuff& of, std::uint32_t nodes, Real a) {
   const auto first = static_cast<std::uint32_t>(par.net.num_nodes);

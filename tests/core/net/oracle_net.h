@@ -1,5 +1,5 @@
-// Nets as the oracle, which shares no code with core, has them: nodes are balls, anchors and attachments springs without rest
-// length.
+// Nets in the oracle, which shares no code with core: nodes are balls, anchors and attachments are springs
+// without rest length.
 #pragma once
 
 #include "tests/core/net/net_scene.h"
@@ -7,8 +7,8 @@
 
 namespace godobject {
 
-/// Adds the nets of a scene to a case that has its bodies, in their order, and after these, where nodes are held in the world,
-/// `ground`, a body that is fixed. Balls are in the order of the nodes.
+/// Adds the nets of a scene to a case that has its bodies, in their order. If nodes are held in the world,
+/// `ground` is a fixed body after these. Balls are in the order of the nodes.
 template <class S>
 void add_net(const Running<S>& run, oracle::Case& c, std::size_t ground = world) {
   const auto& net = run.par.net;

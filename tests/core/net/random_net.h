@@ -1,4 +1,4 @@
-// Nets drawn at random over the ranges of stiffness, mass, damping and step that a scene may have, and what is done to them.
+// Random nets over the ranges of stiffness, mass, damping and step of scenes, with their ordeals.
 #pragma once
 
 #include <sstream>
@@ -21,7 +21,7 @@ inline constexpr int num_ordeals = 8;
 inline constexpr const char* ordeal_names[] = {"held", "free",    "inside_out", "far_node",
                                                "led",  "pinched", "jaws",       "hole"};
 
-/// What is varied on purpose; the rest is drawn.
+/// Quantities varied on purpose; the rest is drawn.
 struct Drawn {
   Ordeal ordeal = Ordeal::held;
   int shape = 0;  // sheet, tube, tangle
@@ -62,7 +62,7 @@ struct RandomNet : Running<NetScene<I>> {
   Vec3 axis_0, axis_1;
   EnergyBalance<S> balance;
 
-  /// change(drawn): what a test has otherwise than it was drawn.
+  /// change(drawn): deviation of a test from the drawn case
   template <class Change = void (*)(Drawn&)>
   explicit RandomNet(
       unsigned seed, int only = -1, Change change = [](Drawn&) {}) {
@@ -103,7 +103,7 @@ struct RandomNet : Running<NetScene<I>> {
     par.h = of.h;
     par.gravity_W = Vec3(0, 0, -of.gravity);
     par.num_bodies = of.ordeal == Ordeal::jaws ? 3 : 1;
-    // what is drawn through something follows the hand within its motion, net and carrier: else it would not come there
+    // a net pulled through a hole follows the hand within its motion; otherwise it would not reach the hole
     constexpr Real following = 50;  // rad/s
     const bool is_drawn_in = of.ordeal == Ordeal::pinched || of.ordeal == Ordeal::hole;
     if (is_drawn_in) of.anchors = std::max(of.anchors, following * following * of.m / of.k);

@@ -1,5 +1,5 @@
-// A sheet of 25 nodes on a body that the hand sways, against the oracle, which shares no code with core: its nodes are balls,
-// its anchors springs without rest length.
+// A sheet of 25 nodes on a body that the hand sways, against the oracle, which shares no code with core. Its
+// nodes are balls, its anchors springs without rest length.
 #pragma once
 
 #include <stdexcept>

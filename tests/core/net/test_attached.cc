@@ -1,4 +1,5 @@
-// Nets attached to bodies that do not carry them: against the oracle, by what rests, and by what the hand feels.
+// Nets attached to bodies other than their carriers: against the oracle, at rest, and by the displayed
+// wrench.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/oracle_net.h"

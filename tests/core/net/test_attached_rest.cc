@@ -1,4 +1,4 @@
-// Attachments of nets: what they keep in flight, what hangs on them, what the hand feels, and what is refused.
+// Attachments of nets: conservation in flight, carried weight, displayed wrench, and rejected parameters.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/usual_scene.h"
@@ -10,7 +10,7 @@ namespace {
 template <class I>
 using Scene_ = AttachedNetScene<I>;
 
-/// A tube of 48 nodes on a body that nobody holds, eight of its nodes sewn to a second body, all flying.
+/// Returns a tube of 48 nodes on a free body, eight of its nodes sewn to a second body, all flying.
 template <class I>
 std::unique_ptr<Running<Scene_<I>>> in_flight(unsigned seed, int max_iterations) {
   Random random(seed);
@@ -47,7 +47,7 @@ std::unique_ptr<Running<Scene_<I>>> in_flight(unsigned seed, int max_iterations)
   return run;
 }
 
-/// Of bodies and nodes, about the origin, and what they are small against.
+/// Momentum of bodies and nodes about the origin, and a bound of its size.
 struct Momentum {
   Vec3 P = Vec3::Zero(), L = Vec3::Zero();
   Real P_scale = 0, L_scale = 0;
@@ -99,8 +99,8 @@ TEST(NetAttached, MomentaAreKeptHoweverFewTheIterations) {
   expect_momenta_kept<TrBdf2>();
 }
 
-/// A sheet on a body that the hand holds, or in the world, held at its corners, with a free body of 30 g sewn under its middle: it
-/// hangs until it rests.
+/// A sheet on a body that the hand holds, or in the world, held at its corners. A free body of 30 g is sewn
+/// under its middle, and swings until it rests.
 template <class I>
 struct Hanging : Running<Scene_<I>> {
   static constexpr Real k = 500, k_d = 200, k_s = 200, m = 0.03;  // N/m: coupling, feedback, attachments; kg
@@ -150,7 +150,7 @@ void expect_equilibrium(std::size_t carrier, bool tight) {
     force += run->pull(one);
     torque += (body.X_WB.q * one.p_B).cross(run->pull(one));
   }
-  // what anchors bear is the weight of all that hangs
+  // anchors carry the weight of all bodies below
   Vec3 all = weight;
   for (std::size_t n = 0; n < par.net.num_nodes; ++n) {
     const NetNode& node = par.net.nodes[n];
@@ -169,7 +169,7 @@ void expect_equilibrium(std::size_t carrier, bool tight) {
   EXPECT_LT(torque.norm(), close * 0.01 * w);
   EXPECT_LT((of_anchors + all).norm(), close * all.norm());
   if (carrier == world) return;
-  // (8)  the hand bears all of it, and what is shown is its share
+  // (8)  the hand carries all of it, and the displayed wrench is its share
   const Vec3 coupling = Hanging<I>::k * (Vec3::Zero() - run->body().X_WB.p),
              on_tool = all + 0.1 * par.gravity_W;
   EXPECT_LT((coupling + on_tool).norm(), close * on_tool.norm());
@@ -213,7 +213,7 @@ TEST(NetAttached, AJointBearsWhatPullsItsBody) {
   expect_hand_and_joint_to_bear<TrBdf2>();
 }
 
-/// Nodes do not touch what they are attached to, and touch all else.
+/// Nodes do not touch bodies that they are attached to, and touch all others.
 TEST(NetAttached, NodesDoNotTouchWhatTheyAreAttachedTo) {
   for (const bool sewn : {true, false}) {
     auto run = std::make_unique<Hanging<ImplicitEuler>>(world);

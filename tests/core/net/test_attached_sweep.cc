@@ -1,5 +1,5 @@
-// Nets attached to bodies, free and on joints, over the ranges of stiffness, mass, damping and step that a scene may have: finite,
-// and no energy but that of gravity; what is damped comes to rest.
+// Nets attached to bodies, free and on joints, over the ranges of stiffness, mass, damping and step of
+// scenes. Finite, and no energy except that of gravity; damped nets come to rest.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -15,12 +15,12 @@ constexpr unsigned seeds = 200;  // for each integrator
 constexpr unsigned seeds = 4;
 #endif
 
-/// What is drawn of a case.
+/// Drawn quantities of a case.
 struct Drawn {
   Real k = 0, m = 0, k_s = 0, zeta = 0, h = 0, anchors = 0;
   std::array<Real, 4> body_m{};
   int cap = 12, kinds = 0;
-  Real relative_motion = 0;  // what dampers are made for, kg; 0: a node
+  Real relative_motion = 0;  // mass for which dampers are designed, kg; 0: that of a node
   bool on_carrier = true, damped = false, pulled_out = false;
 
   std::string text() const {
@@ -34,8 +34,8 @@ struct Drawn {
   }
 };
 
-/// A sheet on a body that the target holds, or in the world, attached to a free body and to two links of a chain that hangs
-/// on the world, or to some of them.
+/// A sheet on a body held by the target, or in the world. It is attached to a free body, to two links of a
+/// chain from the world, or to some of them.
 template <class I>
 struct Sweep : Running<AttachedNetScene<I>> {
   Drawn of;
@@ -59,7 +59,7 @@ struct Sweep : Running<AttachedNetScene<I>> {
     build(random);
   }
 
-  /// Net and attachments hold what hangs on them at 200 rad/s or above, damped for all of it, and every link.
+  /// Net and attachments hold their bodies at 200 rad/s or above, damped for all of them, and for every link.
   void hold_firmly() {
     of.on_carrier = true;
     of.cap = 12;
@@ -155,7 +155,7 @@ void expect_no_gain() {
 TEST(NetAttachedSweep, GainsNoEnergyWithImplicitEuler) { expect_no_gain<ImplicitEuler>(); }
 TEST(NetAttachedSweep, GainsNoEnergyWithTrBdf2) { expect_no_gain<TrBdf2>(); }
 
-/// Those of 3000 that gained while stages with nets were not parted (39), and do not now.
+/// Cases of 3000 that gained while stages with nets were not subdivided (39), and do not now.
 TEST(NetAttachedSweep, GainsNoEnergyWhereStagesAreParted) {
   for (const unsigned seed : {495, 863, 978, 1462, 1595, 1616, 2660}) expect_no_gain<ImplicitEuler>(seed);
   for (const unsigned seed : {227, 1376, 1595}) expect_no_gain<TrBdf2>(seed);

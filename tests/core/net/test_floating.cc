@@ -1,4 +1,4 @@
-// Nets that no anchor pulls (57): their dampers settle the shape, and leave the motion as a whole alone.
+// Nets without anchors (57): their dampers act on the shape, and leave the rigid motion unchanged.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -113,8 +113,7 @@ TEST(NetFloating, KeepsItsMotionAsAWhole) {
   keeps_its_motion<NetScene<TrBdf2>>();
 }
 
-/// What is left of its own motion, but for the rigid one, is 2 % squared after the settling time, give or
-/// take dampers that vary.
+/// The residual of its non-rigid motion is 2 % squared after the settling time, up to varying dampers.
 TEST(NetFloating, SettlesItsShape) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     constexpr Real T = 0.1;

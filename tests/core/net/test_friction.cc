@@ -1,4 +1,5 @@
-// Friction of nodes that slide slowly, begin to slide and stick again: it is found in few iterations (50), and is what (23) says.
+// Friction of nodes that slide slowly, begin to slide and stick: it converges in few iterations (50), to the
+// law (23).
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -10,7 +11,7 @@ namespace {
 
 constexpr Real mu = 0.4;
 
-/// A sheet on a carrier that is let down on a plane, then led to and fro along it, slower and slower.
+/// A sheet on a carrier, lowered on a plane, then moved to and fro along it, slower and slower.
 template <class I>
 struct Dragged : Running<NetScene<I>> {
   Dragged() {
@@ -37,9 +38,8 @@ struct Dragged : Running<NetScene<I>> {
   }
 };
 
-/// Of 1000 steps, those of four Newton iterations or more: 144 with implicit Euler and 28 with TR-BDF2
-/// without (50), 13 and none
-/// with it.
+/// Counts the steps of 1000 with four Newton iterations or more: 144 with implicit Euler and 28 with TR-BDF2
+/// without (50), 13 and none with it.
 template <class I>
 int count_long_steps() {
   auto run = std::make_unique<Dragged<I>>();

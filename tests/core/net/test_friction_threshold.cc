@@ -1,5 +1,5 @@
-// A sheet on a slope just below and just above the threshold of its friction: it rests, or it slides as (sin
-// a - mu cos a) g.
+// A sheet on a slope just below and just above the threshold of its friction. It rests, or slides as (sin a -
+// mu cos a) g.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -46,7 +46,7 @@ struct OnSlope : Running<NetScene<I>> {
     place_net(par.net, this->x);
     EXPECT_EQ(validate(par), Invalid::nothing);
   }
-  /// Of the sheet, down the slope: its centre, m, and its speed, m/s.
+  /// Returns the motion of the sheet's centre down the slope, m, and its speed, m/s.
   Vec3 motion() const {
     Real p = 0, v = 0;
     const std::size_t num = this->par.net.num_nodes;

@@ -1,4 +1,4 @@
-// Groups of nodes and slots of springs: that all are in one, and what is refused.
+// Groups of nodes and slots of springs: completeness, and rejected parameters.
 #include <gtest/gtest.h>
 
 #include <set>

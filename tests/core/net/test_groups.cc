@@ -1,4 +1,4 @@
-// Springs of nets four at a time, against the same spring by spring: products, factor, what they gain.
+// Springs of nets four at a time, against the same spring by spring: products, factor, gains.
 #include <gmock/gmock.h>
 
 #include <numeric>
@@ -12,7 +12,7 @@ using S = NetScene<ImplicitEuler>;
 using Stage = NetStage<S::Net, S::max_bodies>;
 using Vectors = std::array<Column, Stage::max_nodes>;
 
-/// A net within what compares to rounding, in the last stage of some steps.
+/// A net whose results compare up to rounding, in the last stage of some steps.
 struct Stepped : RandomNet<ImplicitEuler> {
   explicit Stepped(unsigned seed)
       : RandomNet(seed, -1, [](Drawn& of) {
@@ -20,7 +20,7 @@ struct Stepped : RandomNet<ImplicitEuler> {
           of.m = std::clamp<Real>(of.m, 1e-4, 1e-2);
           of.contact_k = std::clamp<Real>(of.contact_k, 1, 1e5);
         }) {
-    // some have come to what they touch
+    // some have reached their obstacles
     for (int n = 0; n < of.steps() / 2 && net().num_contacts == 0; ++n) this->step(1);
     Random random(seed);
     for (std::uint32_t n = 0; n < num(); ++n) this->x.net.nodes[n].v_W += 0.01 * random.vector();
@@ -103,7 +103,7 @@ TEST(NetGroups, FactorOfAThreadIsExact) {
   const Stuff stuff{.m = 1e-3, .k = 1e4, .g = 0.1, .k_a = 1, .g_a = 0.01};
   for (std::uint32_t n = 0; n < 50; ++n) add_node(par, stuff, Vec3(0.01 * n, 0, 0));
   for (std::uint32_t n = 1; n < 50; ++n) add_spring(par, stuff, n - 1, n);
-  for (std::uint32_t n = 50; n < 58; ++n) {  // and threads that hang on it
+  for (std::uint32_t n = 50; n < 58; ++n) {  // with threads
     add_node(par, stuff, Vec3(0.05 * (n - 50), 0.01, 0));
     add_spring(par, stuff, n, 5 * (n - 50) + 3);
   }

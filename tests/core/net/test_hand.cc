@@ -1,4 +1,4 @@
-// What the hand feels of a net: a tool of nodes that is pressed on a plane. And bodies that nets hit in free flight.
+// Displayed wrench of a net: a tool of nodes pressed on a plane. Also bodies hit by nets in free flight.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/usual_scene.h"
@@ -59,8 +59,8 @@ TEST(NetHand, FeelsWhatContactsAnchorsAndCouplingBear) {
   expect_one_force_for_all<TrBdf2>();
 }
 
-/// The largest miss of the momentum of a body with its net that flies at another body, which has a box or a sphere; of what it
-/// was.
+/// Returns the largest error of the momentum of a body with its net that flies at another body, which has a
+/// box or a sphere. As a share of the initial momentum.
 template <class I>
 Real worst_miss(int cap) {
   Real worst = 0;
@@ -127,7 +127,7 @@ TEST(NetHand, WhatANetHitsTakesWhatTheNetLoses) {
   constexpr int by_default = 12, few = 1;
   EXPECT_LT(worst_miss<ImplicitEuler>(by_default), 1e-11);
   EXPECT_LT(worst_miss<TrBdf2>(by_default), 1e-11);
-  // Known: stopped after one iteration, contacts between bodies and nets lose some. This is shown, not asserted.
+  // Known: cut off after one iteration, contacts between bodies and nets lose some. Printed, not asserted.
   worst_miss<ImplicitEuler>(few);
   worst_miss<TrBdf2>(few);
 }

@@ -1,5 +1,5 @@
-// A body with its net in free flight: what a step, and an iteration that is stopped early, may take from its momenta, which is nothing,
-// and what the reported residual says of its velocities.
+// A body with its net in free flight. A step, also with iterations cut off early, conserves its momenta, and
+// the reported residual bounds the error of its velocities.
 #include <gtest/gtest.h>
 
 #include "core/net/energy.h"
@@ -8,7 +8,8 @@
 namespace godobject::test_net_momentum {
 namespace {
 
-/// A tube of 48 nodes on a body that nobody holds, its springs stretched, all flying, turning and moving at random.
+/// Returns a tube of 48 nodes on a free body, its springs stretched, all flying, turning and moving at
+/// random.
 template <class S>
 std::unique_ptr<Running<S>> in_flight(unsigned seed, Real k_a_ratio, int max_iterations) {
   Random random(seed);
@@ -34,7 +35,7 @@ std::unique_ptr<Running<S>> in_flight(unsigned seed, Real k_a_ratio, int max_ite
   return run;
 }
 
-/// Of body and nodes, about the origin; and what it is small against.
+/// Momentum of body and nodes, about the origin, and a bound of its size.
 struct Momentum {
   Vec3 P = Vec3::Zero(), L = Vec3::Zero();
   Real P_scale = 0, L_scale = 0;
@@ -69,7 +70,7 @@ void solve_completely(Running<S>& run) {
 struct Miss {
   Real linear = 0, angular = 0;
 };
-/// beside: puts into the scene what has nothing to do with the flight.
+/// beside: adds parts to the scene that are independent of the flight.
 template <class S, class Beside>
 Miss misses(Beside beside) {
   Miss miss;
@@ -162,9 +163,9 @@ TEST(NetMomentum, WhatIsGivenBackGainsNoEnergy) {
   EXPECT_LT(most, 1e-3);
 }
 
-/// The largest error of velocities, in the root of the sum of m e^2, that forces of this size on all nodes make: an error e
-/// leaves r = A e unbalanced, A >= the masses, and sum m e^2 <= sum |r|^2 / m. Of the body what is left is the opposite of
-/// the nodes' together: with all that rides on it, it is balanced.
+/// Returns the largest error of velocities, in the root of the sum of m e^2, by forces of this size on all
+/// nodes. An error e leaves r = A e unbalanced, A >= the masses, and sum m e^2 <= sum |r|^2 / m. The body's
+/// residual is the opposite of the nodes', because with its carried nodes it is balanced.
 template <class S>
 Real error_of(Real residual, const Running<S>& run) {
   const auto N = static_cast<Real>(run.par.net.num_nodes);
@@ -177,10 +178,10 @@ Real error_of(Real residual, const Running<S>& run) {
                    levers * levers / principal_moments(body.I_B).x());
 }
 
-/// Of implicit Euler: TR-BDF2 reports the residual of its last stage, and what its first has left goes on in the velocities that
-/// this one starts with.
+/// Implicit Euler only: TR-BDF2 reports the residual of its last stage, and that of its first stage remains
+/// in the initial velocities of this one.
 TEST(NetMomentum, TheResidualBoundsTheError) {
-  constexpr Real most_loose = 30;  // a residual that is far larger than what it tells of is of no use; 16 now
+  constexpr Real most_loose = 30;  // a residual far above the error is of no use; 16 now
   Real loosest = 0, most = 0;
   for (unsigned seed = 0; seed < 30; ++seed) {
     for (const int cap : {1, 2, 3, 5, 8, 12}) {

@@ -1,4 +1,5 @@
-// Nets whose carrier is the last link of a chain on joints: against the oracle, and over drawn masses, stiffness and steps.
+// Nets whose carrier is the last link of a chain on joints: against the oracle, and over drawn masses,
+// stiffness and steps.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/oracle_net.h"
@@ -13,8 +14,8 @@ using oracle::JointType;
 
 inline constexpr Real half = 0.05;  // of a link along x, m
 
-/// Two links along x in a row, which fall from rest: the first hangs on the world's origin. Joints turn about y, universal ones
-/// about z of the child, too.
+/// Returns two links along x in a row, which fall from rest from the world's origin. Joints turn about y,
+/// universal ones about z of the child, too.
 oracle::Case two_links(JointType first, JointType second, Real m, const Vec3& I) {
   oracle::Case c;
   c.gravity = Vec3(1, 3, -9.81);
@@ -36,7 +37,7 @@ oracle::Case two_links(JointType first, JointType second, Real m, const Vec3& I)
   return c;
 }
 
-/// The same in the core, with a net on the last link.
+/// The two links in the core, with a net on the last link.
 template <class I>
 struct Chain : Running<JointedNetScene<I>> {
   Chain(const oracle::Case& links, const Stuff& stuff, std::uint32_t side, Real h) {
@@ -59,7 +60,7 @@ struct Chain : Running<JointedNetScene<I>> {
 inline constexpr Real duration = 0.128;  // s
 inline constexpr Stuff sheet{.m = 2e-3, .k = 40, .g = 0.05, .k_a = 8, .g_a = 0.02, .carrier = 1};
 
-/// Of the links, then the nodes, by the oracle.
+/// Returns the solution of the oracle for the links, then the nodes.
 std::vector<Vec3> solved_exactly(oracle::Case c) {
   const auto chain = std::make_unique<Chain<TrBdf2>>(c, sheet, 4, 1e-3);
   add_net(*chain, c);

@@ -1,5 +1,5 @@
-// Light nets of stiff springs on tools that are thrown on the floor, their iterations stopped after one: p^T
-// A p is below its rounding at times, and no velocity may come of it.
+// Light nets of stiff springs on tools thrown on the floor, their iterations cut off after one. p^T A p is
+// below its rounding at times, and must not produce velocities.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -42,8 +42,8 @@ std::unique_ptr<Running<NetScene<I>>> thrown(unsigned seed) {
   return run;
 }
 
-/// What is committed: falls and throws reach some metres a second. A step may be refused (58), and then its
-/// state stands.
+/// Checks the committed state: falls and throws reach some metres a second. A step may be rejected (58), and
+/// the state is then unchanged.
 template <class I>
 void expect_no_speed_of_rounding() {
   constexpr int most_refused = 3;  // of 60 runs

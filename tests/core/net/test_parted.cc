@@ -1,5 +1,5 @@
-// Chains with a heavy end and a net on a light link, of which the joints do not hold in a stage that is solved in one: nodes go from
-// part to part with the bodies (39).
+// Chains with a heavy end and a net on a light link, whose joints do not hold in an undivided stage. Nodes
+// are moved from substep to substep with the bodies (39).
 #include <gtest/gtest.h>
 
 #include "tests/core/net/usual_scene.h"
@@ -8,7 +8,7 @@
 namespace godobject::test_net_parted {
 namespace {
 
-inline constexpr Real holds = 1e-5;  // m, as tests/core/joint/test_heavy_ends.cc asks
+inline constexpr Real holds = 1e-5;  // m, as required by tests/core/joint/test_heavy_ends.cc
 
 /// A chain in steps of 5 ms, with a sheet on its second link.
 template <class I>

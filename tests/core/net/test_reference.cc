@@ -28,7 +28,8 @@ TEST(NetReference, ConvergesAsItsIntegratorDoes) {
       << "with the default iterations";
 }
 
-/// What iterations leave falls with the step as the error of the integrator does: a step half as long is never worse.
+/// The residual of iterations decreases with the step like the error of the integrator: a step half as long
+/// is never worse.
 template <class I>
 Real order_by_default(const Truth& truth) {
   const Real steps[] = {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};

@@ -1,5 +1,5 @@
-// What a step says of its nets is of its worst stage: TR-BDF2 begins with an implicit Euler stage of c h, and says no less than
-// an implicit Euler step of that length does.
+// The report of a step on its nets is of its worst stage. TR-BDF2 begins with an implicit Euler stage of c h,
+// and reports at least as much as an implicit Euler step of that length.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/usual_scene.h"

@@ -1,5 +1,5 @@
-// Nets over the ranges of stiffness, mass, damping, anchors and step that a scene may have, and what may be done to them:
-// finite, bounded, and no energy but that of the hand and of gravity.
+// Nets over the ranges of stiffness, mass, damping, anchors and step of scenes, in all ordeals. Finite,
+// bounded, and no energy except that of the hand and of gravity.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/random_net.h"
@@ -14,21 +14,21 @@ constexpr unsigned seeds = 125;  // of each ordeal and integrator: 2000 in all
 #else
 constexpr unsigned seeds = 4;  // builds with assertions and sanitizers take a hundred times as long
 #endif
-/// The least share of cases in which contacts have borne a force, where nets are pressed on something: it is 87 to 92 %. Four
-/// cases say nothing of it.
+/// Least share of cases with contact forces, among those pressed on something; it is 87 to 92 %. Four cases
+/// are too few for a statement.
 constexpr double pressed_share = 0.85;
 constexpr bool is_whole_sweep = seeds >= 100;
 
-/// What a case came to.
+/// Outcome of a case.
 struct Outcome {
   bool finite = true, gains = false, pressed = false;
   Real worst = 0;     // gain, of the energy at work
-  Real farthest = 0;  // from the origin, of what may be
+  Real farthest = 0;  // from the origin, as a share of the possible distance
 };
 
-/// How far from the origin a net on anchors may get in a time t without an error: from where it starts, by the hand's way, at the
-/// speed that it starts with and by its fall; springs swing what they pull about twice as far to the other side. What nothing
-/// holds flies where springs and jaws throw it: of that only that it is finite is asked.
+/// Bound of the distance from the origin that a net on anchors may reach in a time t. It adds its start, the
+/// hand's way, its initial speed and its fall. Springs swing their loads about twice as far to the other
+/// side. For free nets, thrown by springs and jaws, only finiteness is required.
 template <class I>
 class Range {
  public:
@@ -101,8 +101,8 @@ TYPED_TEST(NetStability, PinchedInTheWorld) { this->outlive_all(Ordeal::pinched)
 TYPED_TEST(NetStability, PinchedBetweenBodies) { this->outlive_all(Ordeal::jaws); }
 TYPED_TEST(NetStability, ThroughAHole) { this->outlive_all(Ordeal::hole); }
 
-/// (46)  What holds a net against gravity takes no energy that its springs might gain: one that turns slowly on a soft coupling, with
-/// springs of 1e8 N/m, in steps of 5 ms.
+/// (46)  Support of a net against gravity takes no energy that its springs might gain. Here, one turns slowly
+/// on a soft coupling, with springs of 1e8 N/m, in steps of 5 ms.
 TEST(NetGravity, AllowsSpringsNoGain) {
   for (const Real m : {1e-3, 1e-2, 1e-1}) {
     RandomNet<ImplicitEuler> net(11, static_cast<int>(Ordeal::far_node), [m](Drawn& of) {
@@ -116,8 +116,8 @@ TEST(NetGravity, AllowsSpringsNoGain) {
   }
 }
 
-/// Damped nets, 2.3 s or more after the hand has come to rest: springs and anchors within reach of each other, half a second or
-/// less to settle.
+/// Damped nets, 2.3 s or more after the hand has come to rest. Springs and anchors are within reach of each
+/// other, with half a second or less to converge.
 template <class I>
 bool comes_to_rest(Ordeal ordeal, unsigned seed) {
   constexpr Real settled = 2.5, at_rest = 1e-3;  // s, m/s

@@ -1,5 +1,5 @@
-// Nets at rest and in small motions, against what is solved otherwise: an equilibrium by Newton's method, the catenary, the
-// first frequency of a stretched sheet.
+// Nets at rest and in small motions, against independent solutions: an equilibrium by Newton's method, the
+// catenary, the first frequency of a stretched sheet.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -30,7 +30,7 @@ void solve_tightly(Running<S>& run) {
   run.par.net.max_iterations = 3000;
   run.par.net.tolerance = 1e-14 / (run.par.h * run.par.h);
 }
-/// Anchors a node to the world, or lets go of it.
+/// Anchors a node to the world, or releases it.
 template <class S>
 void hold(Running<S>& run, std::size_t n, Real k) {
   run.par.net.nodes[n].k = k;
@@ -135,7 +135,8 @@ Real chain_error(std::size_t links) {
   EXPECT_EQ(validate(par), Invalid::nothing);
   run->step(20000);
   EXPECT_LT(speed(*run), 1e-6);
-  // 2 a sinh(span / 2 a) = length; at arc length s from the lowest point x = a asinh(s / a), z = a cosh(x / a)
+  // 2 a sinh(span / 2 a) = length; at arc length s from the lowest point x = a asinh(s / a), z = a cosh(x /
+  // a)
   Real lo = 1e-3, hi = 10;
   for (int k = 0; k < 200; ++k) {
     const Real a = (lo + hi) / 2;
@@ -161,7 +162,8 @@ TEST(NetStatics, AChainHangsAsACatenary) {
   EXPECT_GT(e_32 / e_64, 3);
 }
 
-/// A square of n x n springs a side, stretched from l_0 to a, its rim held: m w^2 = 8 T / a sin^2(pi / 2 n), T = k (a - l_0).
+/// A square of n x n springs a side, stretched from l_0 to a, its rim held: m w^2 = 8 T / a sin^2(pi / 2 n),
+/// T = k (a - l_0).
 TEST(NetDynamics, AStretchedSheetHasItsFirstFrequency) {
   using S = NetScene<TrBdf2>;
   constexpr std::uint32_t n = 7;

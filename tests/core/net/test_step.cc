@@ -1,5 +1,5 @@
-// The step of a scene with a net: no allocation, equal runs, capacities that are said, parameters that are refused, and
-// nothing of it in a scene without.
+// The step of a scene with a net: no allocation, equal runs, reported capacities, rejected parameters, and no
+// storage in a scene without.
 #include <gtest/gtest.h>
 
 #include "tests/core/net/random_net.h"
@@ -120,7 +120,7 @@ TEST(NetStep, NeitherAllocatesWhenContactsAreFull) {
   }
 }
 
-/// The step was taken, and what it found is shown.
+/// The step was taken, and reports its result.
 TEST(NetStep, ShowsTheForceWhenContactsHaveNoRoom) {
   auto run = std::make_unique<Running<JointedNetScene<ImplicitEuler>>>();
   auto& par = run->par;
@@ -182,7 +182,7 @@ TEST(NetStep, NodesDoNotPassThinObstacles) {
   }
 }
 
-/// What iterations leave below their tolerance is no reason to take springs again.
+/// A residual below the tolerance does not cause a second solve of the springs.
 TEST(NetStep, AtRestTakesSpringsOnce) {
   for (const unsigned seed : {1u, 3u, 6u, 20u, 24u, 26u}) {
     auto net = std::make_unique<RandomNet<ImplicitEuler>>(seed, static_cast<int>(Ordeal::held));
@@ -267,7 +267,8 @@ TEST(NetStep, SpringsArePutInOrder) {
   EXPECT_EQ(validate(run->par), Invalid::nothing);
 }
 
-// A scene without a net has no storage of it. That it has no code either: contacts.no_scene_pays_for_contacts_it_has_not.
+// A scene without a net has no storage for it. Absence of code:
+// contacts.no_scene_pays_for_contacts_it_has_not.
 struct WithoutNet {
   static constexpr std::size_t max_bodies = 4;
   using Integrator = TrBdf2;

@@ -260,7 +260,7 @@ TEST(Mesh, FullArraysSayWhatIsNeeded) {
   EXPECT_FALSE(is_valid(solid.params()));
 }
 
-/// What the set-up says of a box changed by `change`.
+/// Returns the report of the setup for a box changed by `change`.
 template <class F>
 MeshReport report_of(F&& change) {
   Solid solid = box_mesh({0.5, 0.7, 0.3});

@@ -1,5 +1,5 @@
-// Systems of bodies, nodes and joints as graphs, of the kinds that piles are and worse; each with random impedances, and
-// as one matrix in full.
+// Systems of bodies, nodes and joints as graphs, of the kinds in piles and harder ones. Each with random
+// impedances, and as one full matrix.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -131,7 +131,7 @@ struct Bodies {
   std::vector<JointEdge> joints;  // of all bodies, or none
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(p.size()); }
-  /// Who is coupled, and the order. is_in(unknown): of the bodies, those that are.
+  /// Declares the couplings and orders the unknowns. is_in(unknown): true for included bodies.
   template <class F>
   void begin(F is_in) {
     system->clear();
@@ -166,7 +166,7 @@ struct Bodies {
     load();
     factorize(*system);
   }
-  /// The same for conjugate gradients, which keep the system as it was loaded, room or not.
+  /// Factors for conjugate gradients, which keep the loaded system, with or without room.
   void factor_to_iterate() {
     begin();
     system->is_complete = false;
@@ -208,7 +208,7 @@ Bodies<System> random_bodies(const Graph& graph, Real stiffest, Random& random) 
 /// Turns and slides about a random anchor.
 inline JointEdge random_joint(const Vec3& p, Random& random) {
   JointEdge edge;
-  edge.kind = JointKind::hinge;  // any: what it allows is said by its axes
+  edge.kind = JointKind::hinge;  // any: its axes define the allowed motion
   edge.a_W = Column(Vec3(p + 0.01 * random.vector()));
   edge.num_axes = random.integer(0, 3);
   edge.num_turns = random.integer(0, edge.num_axes);
@@ -216,7 +216,7 @@ inline JointEdge random_joint(const Vec3& p, Random& random) {
   for (int k = 0; k < 3; ++k) edge.s[static_cast<std::size_t>(k)] = Column(Vec3(R.col(k)));
   return edge;
 }
-/// About half of the bodies hang on one before them, or on the world.
+/// Makes about half of the bodies children of one before them, or of the world.
 template <class System>
 void add_random_joints(Random& random, Bodies<System>& s) {
   for (std::uint32_t i = 0; i < s.size(); ++i) {
@@ -245,7 +245,7 @@ LongMatrix in_full(const Bodies<System>& s) {
   return A;
 }
 
-/// What the joints allow: V = B (twists of bodies that hang on none, rates of joints).
+/// Returns the motion that the joints allow: V = B (twists of root bodies, rates of joints).
 template <class System>
 LongMatrix allowed(const Bodies<System>& s) {
   const auto size = static_cast<Eigen::Index>(s.size());

@@ -1,5 +1,5 @@
-// The factor of a block system against the same system in full: rings, grids, cliques and random graphs of bodies, on
-// joints or not, with impedances up to 1e10 times as stiff, over a step, as the bodies are heavy.
+// Factor of a block system against the full system: rings, grids, cliques and random graphs of bodies, on
+// joints or not. Impedances are up to 1e10 times as stiff, over a step, as the bodies are heavy.
 #include <cstdio>
 
 #include "tests/core/system/graphs.h"
@@ -47,7 +47,7 @@ void measure(const LongMatrix& A, const LongVector& b, const LongVector& V, Miss
   keep_worst(miss.error, std::sqrt(off.dot(A * off) / exact.dot(b)));
 }
 
-/// Of this system, factored, at some impulses on its bodies.
+/// Adds the errors of this system, factored, for some impulses on its bodies.
 void add_miss(const Bodies<Free>& s, Random& random, Miss& miss) {
   Free::Vector b = random_impulses<Free>(s.size(), random), V{};
   const LongVector impulses = in_full(b, s.size());
@@ -129,7 +129,7 @@ TEST(BlockFactor, ATreeHasNoFill) {
   EXPECT_EQ(s.system->first[max_bodies], 2 * max_bodies - 3);
 }
 
-/// A clique has all the blocks that it ever needs, and a body that hangs on it one more.
+/// A clique has all the blocks that it ever needs, and a child body one more.
 TEST(BlockFactor, FillsAllBlocksAndSaysWhenThereAreTooFew) {
   std::uint32_t size = 2;
   while ((size + 1) * size / 2 <= Free::room) ++size;
@@ -155,7 +155,7 @@ TEST(BlockFactor, FillsAllBlocksAndSaysWhenThereAreTooFew) {
   }
 }
 
-/// Of a grid in which a third of the pairs is near: what acts changes, who is coupled does not.
+/// A grid in which a third of the pairs is near: active terms change, couplings do not.
 TEST(BlockFactor, FollowsWhatActs) {
   Random random(5);
   for (const Real stiffest : contrasts) {

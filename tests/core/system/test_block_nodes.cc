@@ -1,4 +1,4 @@
-// Nodes in a block system: nets of springs that are attached to bodies, on joints or not, against the same in full.
+// Nodes in a block system: nets of springs attached to bodies, on joints or not, against the full system.
 #include <cstdio>
 
 #include "tests/core/system/graphs.h"
@@ -80,7 +80,7 @@ struct Tissue {
     }
     return A;
   }
-  /// What joints allow: bodies first, then all nodes.
+  /// Returns the motion that joints allow: bodies first, then all nodes.
   LongMatrix allowed() const {
     const LongMatrix B = block_graphs::allowed(bodies);
     LongMatrix all = LongMatrix::Zero(rows(), B.cols() + Eigen::Index{3} * num_nodes);

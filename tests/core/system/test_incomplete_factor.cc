@@ -1,5 +1,5 @@
-// A block system that has no room for all of its blocks: what is factored instead (27), and the conjugate gradients that
-// are preconditioned by it, against the same system in full.
+// A block system with too few blocks: the factored matrix (27), and conjugate gradients preconditioned by it,
+// against the full system.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -13,7 +13,7 @@ namespace {
 using namespace block_graphs;
 
 constexpr std::size_t most = 12, most_pairs = most * (most - 1) / 2;
-using Few = BlockSystem<most, 0, most_pairs, 4, false>;  // blocks; a clique of twelve wants 66
+using Few = BlockSystem<most, 0, most_pairs, 4, false>;  // blocks; a clique of twelve needs 66
 using Some = BlockSystem<most, 0, most_pairs, most, false>;
 using OnJoints = BlockSystem<most, 0, most_pairs, most, true>;
 
@@ -23,8 +23,8 @@ Real speed_sq(const Bodies<System>& s, std::uint32_t u, const SpatialVector& V) 
   return dot(V, s.bodies[u] * V) / body_mass;
 }
 
-/// Of all that is solved V = G b. M >= A, in the coordinates that joints leave: the least eigenvalue of M - A where A has
-/// a diagonal of ones.
+/// Returns the least eigenvalue of M - A, in the coordinates of the joints, scaled to a unit diagonal of A. M
+/// >= A holds for all solved V = G b.
 template <class System>
 Real least_beyond(Bodies<System>& s) {
   const auto n = 6 * static_cast<Eigen::Index>(s.size());
@@ -80,7 +80,7 @@ TEST(IncompleteFactor, IsTheMatrixAndSomethingPositive) {
   expect_more_than_the_matrix<OnJoints>("on joints");
 }
 
-/// Every pivot, and so every solution, is finite and does work, however stiff it is and however little room there is.
+/// Every pivot, and so every solution, is finite and positive, for any stiffness and any room.
 TEST(IncompleteFactor, HasPositivePivots) {
   Random random(2);
   for (const Real stiffest : {1e7, 1e10}) {
@@ -99,7 +99,7 @@ TEST(IncompleteFactor, HasPositivePivots) {
   }
 }
 
-/// The iteration as it is used, from any velocities or from rest: (28), and as near to the solution as it says.
+/// Checks the iteration from any velocities or from rest: (28), and the reported distance from the solution.
 template <class System>
 void expect_balance(const char* name) {
   Random random(4);
@@ -114,7 +114,7 @@ void expect_balance(const char* name) {
     s.system->b = random_impulses<System>(size, random);
     auto x = std::make_unique<SystemVectors<System>>();
     x->V_0 = random_impulses<System>(size, random);
-    // what the iteration begins with obeys the joints, as twists of bodies in a stage do
+    // the initial vector satisfies the joints, like twists of bodies in a stage
     const LongMatrix A = in_full(s), B = allowed(s);
     for (std::uint32_t i = 0; i < size; ++i) x->r[i] = n % 3 == 0 ? SpatialVector::zero() : x->V_0[i];
     solve(*s.system, x->r, x->V_0);

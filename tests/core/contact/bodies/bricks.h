@@ -1,5 +1,5 @@
-// Bricks that touch each other: solid boxes with twelve small spheres, inset at the corners and in the middle of the
-// long edges and tangent to the faces.
+// Bricks in contact with each other: solid boxes with twelve small spheres, tangent to the faces. The spheres
+// are inset at the corners and in the middle of the long edges.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ inline RigidBodyParams solid_ball(Real m, Real radius) {
   return rigid_body(m, Real(0.4) * m * radius * radius * Mat3::Identity());
 }
 
-/// A scene that bodies are added to; no device drives any of them before it is told to hold_at().
+/// A scene to which bodies are added; no device drives any of them before hold_at().
 template <Scene S>
 class Pile : public Running<S> {
  public:
@@ -86,7 +86,7 @@ class Pile : public Running<S> {
   }
   const RigidBodyState& at(std::size_t i) const { return this->x.bodies[i].x; }
   const Vec3& p(std::size_t i) const { return at(i).X_WB.p; }
-  /// Of all bodies, J.
+  /// Returns the kinetic energy of all bodies, J.
   Real kinetic() const { return kinetic_energy(this->par, this->x); }
   /// Speed of the fastest point of any brick at most, m/s.
   Real fastest() const {
@@ -110,7 +110,7 @@ class Pile : public Running<S> {
     for (std::size_t i = 0; i < this->par.num_bodies; ++i) all.push_back(p(i));
     return all;
   }
-  /// Of the body that moved farthest since, m.
+  /// Returns the largest motion of a body since `before`, m.
   Real drift_since(const std::vector<Vec3>& before) const {
     Real most = 0;
     for (std::size_t i = 0; i < before.size(); ++i) most = std::max(most, (p(i) - before[i]).norm());

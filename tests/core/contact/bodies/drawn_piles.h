@@ -1,5 +1,5 @@
-// Jointed tools among bodies, drawn at random and wide: grippers that close, chains that lie under bricks or are hit by them,
-// pendulums, and trees of any joints that are thrown.
+// Random jointed tools among bodies: grippers that close, chains under bricks or hit by them, pendulums, and
+// thrown trees of any joints.
 #pragma once
 
 #include "core/energy_balance.h"
@@ -11,7 +11,7 @@ enum class DrawnKind { gripper, loaded_chain, hit_chain, pendulums, thrown_tree 
 inline constexpr std::array drawn_kinds{DrawnKind::gripper, DrawnKind::loaded_chain, DrawnKind::hit_chain,
                                         DrawnKind::pendulums, DrawnKind::thrown_tree};
 
-/// A scene of one seed. The hand leads what it holds, if it holds anything.
+/// A scene of one seed. The hand moves its gripped body, if any.
 template <class I>
 class DrawnPile : public JointedPileOf<I> {
  public:
@@ -35,7 +35,7 @@ class DrawnPile : public JointedPileOf<I> {
       case DrawnKind::thrown_tree: draw_thrown_tree(); break;
     }
   }
-  /// One step; the hand is led on until it is to rest.
+  /// Makes one step; the hand moves on unless it rests.
   void go_on(bool rests = false) {
     if (held_ && rests) {
       in.devices[*held_].target.V_WD = {};

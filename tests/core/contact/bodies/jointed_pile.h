@@ -53,7 +53,7 @@ class JointedPileOf : public Pile<Jointed<I>> {
       if (k > 0) join(i, kind, i - 1, frame(end, y_axis), frame(-end, y_axis));
     }
   }
-  /// Weight, coupling, contacts and joints of a body, about its centre of mass: what accelerates it.
+  /// Returns the sum of weight, coupling, contact and joint wrenches of a body, about its centre of mass.
   Wrench unbalanced(std::size_t i) const {
     Wrench F = coupling_at(par, x, i).F_WB;
     F.f += par.bodies[i].body.m * par.gravity_W + out.bodies[i].contact.F_W.f;

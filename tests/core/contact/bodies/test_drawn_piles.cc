@@ -18,11 +18,11 @@ constexpr double longest = 200;
 constexpr double touching_more = 0;  // some are still on their way
 #endif
 
-/// What became of one drawn scene.
+/// Outcome of a drawn scene.
 struct Outcome {
-  bool begins_apart = true;  // otherwise bodies are in each other, and part with what (35) gives
+  bool begins_apart = true;  // otherwise bodies overlap at first, and separate with the energy of (35)
   bool told = false;         // that it gains (38)
-  Real gained = 0;           // beyond what contacts were found with, J; where no hand leads
+  Real gained = 0;           // beyond the initial energy of contacts, J; without a moving hand
   Real at_work = 0;          // the most that has been, J
   std::size_t contacts = 0;
   int steps = 0, of_first_order = 0;
@@ -88,7 +88,7 @@ TYPED_TEST(DrawnPiles, GainNoEnergy) {
   }
 }
 
-/// These gained with TR-BDF2, of 18 705 drawn, while (35) was asked between steps alone.
+/// Cases that gained with TR-BDF2, of 18 705 drawn, while (35) was checked between steps only.
 TYPED_TEST(DrawnPiles, GainNoEnergyWhereTheyDid) {
   for (const unsigned seed : {336u, 949u, 1689u, 1836u, 2512u, 2525u})
     expect_no_gain<TypeParam>(DrawnKind::hit_chain, seed);

@@ -77,7 +77,7 @@ TwoBoxes random_boxes(Real from, Real to, Random& random) {
     turn = exp_so3(pi / 2 * Vec3::Unit(random.integer(0, 2))) *
            exp_so3(kind == 2 ? Vec3(random.log_uniform(1e-6, 0.3) * random.direction()) : Vec3::Zero());
   boxes.b.R = boxes.a.R * turn.toRotationMatrix();
-  // along all axes they are at least as deep if they are as near as the first axis says
+  // along all axes they are at least as deep if they are as near as along the first one
   const Vec3 way = random.direction();
   const Real depth = random.uniform(from, to) * thinnest(boxes.a, boxes.b);
   Real distance = std::numeric_limits<Real>::infinity();
@@ -109,7 +109,7 @@ bool is_along_least_face(const Vec3& n, const PosedBox& a, const PosedBox& b) {
   return false;
 }
 
-/// What each_crossing() says of a pair of edges is so.
+/// Checks the result of each_crossing() for a pair of edges.
 void expect_true(const EdgeCrossing& crossing, const PosedBox& a, const PosedBox& b) {
   const EdgeNumbers edges(crossing.edges);
   ASSERT_LT(std::max(edges.i, edges.j), 3);
@@ -122,7 +122,7 @@ void expect_true(const EdgeCrossing& crossing, const PosedBox& a, const PosedBox
   EXPECT_LT(at.along_b, b.h[edges.j]);
   EXPECT_GT(crossing.d, -edge_reach * thinnest(a, b) - rounding);
   EXPECT_LE(crossing.d, axis.overlap + rounding);
-  // where faces would part them sooner the edges have no say, but round that face
+  // if a nearer face separates them, edges count only round that face
   if (!is_along_least_face(axis.n, a, b)) {
     EXPECT_LT(axis.overlap, 1.25 * std::max(overlap_of_faces(a, b), Real(0)) + edge_reach * thinnest(a, b));
   }
@@ -148,9 +148,9 @@ std::vector<std::uint32_t> to_be_found(const PosedBox& a, const PosedBox& b) {
   return all;
 }
 
-/// Of a brick that lies across another all edges are found that cross in each other, however it is tilted by a hair: along
-/// their normal the bricks may be deeper than along those of their faces. Where such edges were left to the faces, bricks
-/// that were pressed on each other lost what bore them for a step, and sank in by 0.8 mm.
+/// For a brick lying across another, all crossing edges are found, however little it is tilted. Along their
+/// normal the bricks may be deeper than along those of their faces. With such edges left to the faces,
+/// pressed bricks lost their support for a step and sank in by 0.8 mm.
 TEST(EdgeCrossings, AreAllThoseOfBricksThatLieOnEachOther) {
   const Vec3 h(0.016, 0.008, 0.005);
   const PosedBox below{.p = Vec3::Zero(), .h = h, .R = Mat3::Identity()};

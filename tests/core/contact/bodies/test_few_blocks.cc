@@ -1,5 +1,5 @@
-// Heaps that couple more bodies than the factor has blocks for: with a tenth of the room of the scene as it stands. The
-// step says so, the incomplete factor goes on, and nothing gains energy.
+// Heaps that couple more bodies than the factor has blocks for, with a tenth of the blocks of the scene. The
+// step reports it, the incomplete factor is used, and the energy does not increase.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -97,7 +97,7 @@ TYPED_TEST(FewBlocks, AHeapGainsNoEnergyAndSaysWhatItLacks) {
   EXPECT_GT(all.without_room, all.steps / 4);
 }
 
-/// The same heap with room and without comes to rest, on the forces that carry it.
+/// A heap comes to rest on the forces that carry it, with enough blocks and with too few.
 TEST(FewBlocksAtRest, CarryTheHeap) {
   const Case c{.k = 2e4, .zeta = 1, .h = 1e-3, .mu = 0.5};
   const auto rest = []<class S>(Pile<S>& pile) {
@@ -120,8 +120,8 @@ TEST(FewBlocksAtRest, CarryTheHeap) {
   EXPECT_NEAR(f.z(), num_bricks * brick_mass * earth_gravity, 1e-3 * num_bricks * brick_mass * earth_gravity);
 }
 
-/// What a step says is of its worst stage: one of TR-BDF2 that knows no acceleration begins with an implicit Euler stage of c h,
-/// and says no less than an implicit Euler step of that length does.
+/// The report of a step is of its worst stage. A TR-BDF2 step without acceleration begins with an implicit
+/// Euler stage of c h. It reports at least as much as an implicit Euler step of that length.
 TEST(FewBlocks, AreToldOfTheWorstStage) {
   constexpr Real rounding = 1e-6, of_forces = 1e-11;  // of two programs; N
   const Case c{.k = 1e6, .zeta = 0.1, .h = 1e-3, .mu = 0.5};

@@ -1,4 +1,4 @@
-// A device takes hold of a body on a joint, among bodies that touch, and lets go of it.
+// A device grips a jointed body among bodies in contact, and releases it.
 #include <gtest/gtest.h>
 
 #include "tests/core/contact/bodies/bricks.h"
@@ -58,7 +58,7 @@ TYPED_TEST(HoldingJoints, LiftsALidAndLetsItFall) {
     box->step();
     first = std::max(first, coupling_at(box->par, box->x, 1).F_WB.f.norm());
   }
-  EXPECT_LT(first, 1e-6);  // N: taking hold is not felt
+  EXPECT_LT(first, 1e-6);  // N: gripping is not perceptible
 
   // the hand goes up on the circle of the lid's middle
   const Vec3 hinge = Vec3(-brick_half.x(), 0, 2 * brick_half.z());
@@ -70,7 +70,7 @@ TYPED_TEST(HoldingJoints, LiftsALidAndLetsItFall) {
     const Eigen::AngleAxis<Real> turn(-angle, Vec3::UnitY());
     const Quat before = device.target.X_WD.q;
     const Vec3 p_before = device.target.X_WD.p;
-    // the device is led as if it were fixed on the lid
+    // the device moves as if it were fixed on the lid
     device.target.X_WD = {.p = hinge + turn * (from - hinge), .q = Quat(turn)};
     device.target.V_WD.v = (device.target.X_WD.p - p_before) / h;
     const Eigen::AngleAxis<Real> step(device.target.X_WD.q * before.conjugate());

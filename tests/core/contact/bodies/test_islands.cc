@@ -9,13 +9,13 @@ namespace {
 constexpr std::size_t max_bodies = 24, max_pairs = 60;
 using Graph = TouchingGraph<max_bodies, max_pairs>;
 
-/// Any pairs between any bodies: each island holds what its pairs join, and all of it.
+/// Any pairs between any bodies: each island contains all bodies joined by its pairs, and no others.
 TEST(Islands, HoldWhatPairsJoin) {
   Random random(6);
   for (int n = 0; n < 200; ++n) {
     auto graph = std::make_unique<Graph>();
     std::array<bool, max_bodies> touches;
-    std::array<std::size_t, max_bodies> label;  // of what is joined, the slow way
+    std::array<std::size_t, max_bodies> label;  // of joined bodies, by a plain method
     for (std::size_t i = 0; i < max_bodies; ++i) {
       touches[i] = random.integer(0, 4) > 0;
       label[i] = i;

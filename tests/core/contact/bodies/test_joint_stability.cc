@@ -1,5 +1,5 @@
-// Bodies on joints that touch each other, over the ranges of stiffness, damping and step that a scene may have: no energy
-// but that of the hand and of gravity.
+// Jointed bodies in contact, over the ranges of stiffness, damping and step of scenes: no energy except that
+// of the hand and of gravity.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -9,8 +9,8 @@
 namespace godobject::test_touching_joint_stability {
 namespace {
 
-/// Two pendulums of two links each, hinged to the world a brick's width apart, let fall against each other and a free
-/// brick between them.
+/// Returns two pendulums of two links each, hinged to the world a brick's width apart. They fall against each
+/// other and a free brick between them.
 template <class I>
 std::unique_ptr<JointedPileOf<I>> pendulums() {
   auto pile = std::make_unique<JointedPileOf<I>>();
@@ -41,14 +41,15 @@ std::unique_ptr<JointedPileOf<I>> falling_chain(JointKind kind) {
   return pile;
 }
 
-/// What contacts were found with (35), J: so much TR-BDF2 may gain. Implicit Euler has lost more than that by then.
+/// Returns the initial energy of contacts (35), J, which TR-BDF2 may gain. Implicit Euler has lost more than
+/// that by then.
 template <class I>
 Real given(const ContactReport& contacts) {
   return I::order > 1 ? std::max(contacts.found, Real(0)) : 0;
 }
 
-/// The most that it gains in 0.6 s, or 1500 steps. Without what is in the springs of the contacts: none at first, never
-/// negative.
+/// Returns the largest gain in 0.6 s, or 1500 steps. The energy of contact springs is left out: zero at
+/// first, never negative.
 template <class I>
 Real gain(JointedPileOf<I>& pile, const ContactLaw& law, Real h) {
   pile.par.h = h;
@@ -109,7 +110,7 @@ TYPED_TEST(TouchingJointStability, ChainsThatAreHitGainNoEnergy) {
                                    {JointKind::hinge, "hinges"},
                                    {JointKind::ball, "ball joints"},
                                    {JointKind::slider, "sliders"}}) {
-    // TR-BDF2 takes longer; what it differs in has no kind of joint
+    // TR-BDF2 takes longer; its differences do not depend on the kind of joint
     if (TypeParam::order > 1 && (kind == JointKind::free || kind == JointKind::ball)) continue;
     expect_no_gain(name, [kind = kind](const ContactLaw& law, Real h) {
       return gain(*falling_chain<TypeParam>(kind), law, h);
@@ -117,7 +118,8 @@ TYPED_TEST(TouchingJointStability, ChainsThatAreHitGainNoEnergy) {
   }
 }
 
-/// Led about by its palm while it holds a brick between its jaws. The most that it gains beyond the work of the hand.
+/// Moves a gripper by its palm with a brick between its jaws. Returns the largest gain beyond the work of the
+/// hand.
 template <class I>
 Real gain_of_gripper(const ContactLaw& law, Real h) {
   using Gripper = GripperOf<I>;

@@ -15,7 +15,7 @@ class TouchingJointsOf : public ::testing::Test {};
 using BothIntegrators = ::testing::Types<ImplicitEuler, TrBdf2>;
 TYPED_TEST_SUITE(TouchingJointsOf, BothIntegrators);
 
-/// With nothing to touch, the tree of contacts is the tree of joints: all kinds of joints, stops, and violations.
+/// Without contacts, the tree of contacts is the tree of joints: all kinds of joints, stops, and violations.
 TEST(TouchingJoints, ToolsByThemselvesMoveAsWithoutContacts) {
   Random random(1);
   Real off = 0, off_force = 0;
@@ -184,7 +184,7 @@ TYPED_TEST(TouchingJointsOf, ToolsThatSpinGainNoEnergy) {
     }
 }
 
-/// Led together by the device, whatever is between.
+/// Closed by the device, with any body between.
 TYPED_TEST(TouchingJointsOf, ImposedJawsCloseOnABrick) {
   using Gripper = GripperOf<TypeParam>;
   const auto grip = std::make_unique<Gripper>();

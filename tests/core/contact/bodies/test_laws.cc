@@ -1,4 +1,4 @@
-// What bodies do to each other obeys the laws of mechanics: momentum, action and reaction, rest, friction, grip.
+// Bodies in contact obey the laws of mechanics: momentum, action and reaction, rest, friction, grip.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -52,7 +52,7 @@ TEST(TouchingLaws, CollisionsKeepMomentum) {
       pile->step();
       ASSERT_FALSE(any(pile->out.fault));
       contacts += pile->out.contacts.num_contacts;
-      // what the solve left unbalanced on each body
+      // unbalanced impulse of the solve on each body
       allowed += 5 * pile->out.contacts.residual * pile->par.h;
       most_left = std::max(most_left, pile->out.contacts.residual);
       const Real off = (momentum(*pile).p - first.p).norm();
@@ -105,7 +105,7 @@ TEST(TouchingLaws, TwoBallsKeepMomentumExactly) {
     }
 }
 
-/// A ball at rest on what another body carries, or on another ball: as deep as it weighs.
+/// A ball at rest on a shape of another body, or on another ball: its depth corresponds to its weight.
 TEST(TouchingLaws, ABallRestsOnEveryKindOfBody) {
   constexpr Real radius = 0.01, m = 0.01;
   const std::array carried{ShapeParams{.kind = ShapeKind::box, .half_extents = Vec3(0.02, 0.02, 0.01)},
@@ -175,7 +175,7 @@ TEST(TouchingLaws, FrictionCarriesABrickAlong) {
   }
 }
 
-/// What a brick lacks of its friction is its acceleration: g sin a (1 - share) where mu is that share of tan a.
+/// The acceleration of a brick is its missing friction: g sin a (1 - share), with mu that share of tan a.
 TEST(TouchingLaws, ABrickSlidesDownASlopeByItsLaw) {
   using Sliding = Pile<FewBodies<ImplicitEuler>>;
   constexpr Real slope = 0.35;
@@ -243,7 +243,7 @@ TEST(TouchingLaws, AGripLiftsABrick) {
   EXPECT_NEAR(pile->out.bodies[gripped].contact.F_W.f.z(), brick_mass * earth_gravity, 1e-6);
 }
 
-/// A brick that is taken hold of in the air is lowered on another, pressed, and let go of: it stays there.
+/// A brick gripped in the air is lowered on another, pressed, and released: it stays there.
 TEST(TouchingLaws, AHeldBrickIsPlacedOnAnother) {
   const auto pile = std::make_unique<Pile<Held>>();
   pile->add_floor();

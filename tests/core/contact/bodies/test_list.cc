@@ -129,7 +129,7 @@ TEST(TouchingList, OutlivesInputsThatAreNoNumbers) {
   }
 }
 
-/// A body that is no number any more is said; nothing moves, and nothing is lost once it is mended.
+/// A body with a non-finite state is reported; nothing moves, and nothing is lost once it is corrected.
 TEST(TouchingList, LosesNothingToABodyThatIsNoNumber) {
   const auto pile = heap<enough>();
   pile->step(50);
@@ -192,7 +192,7 @@ TEST(TouchingParams, NameABadSurface) {
             Invalid::contact_surface);
 }
 
-/// What has no extents of its own is of the world.
+/// Shapes without extents belong to the world.
 TEST(TouchingParams, NameAShapeThatNoBodyCanCarry) {
   EXPECT_EQ(validated([](HeapParams& par) { par.contacts.surfaces[1].shape = {.kind = ShapeKind::plane}; }),
             Invalid::contact_surface);

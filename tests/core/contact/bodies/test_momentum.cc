@@ -249,8 +249,8 @@ TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesImplicitEuler) {
 }
 TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesTrBdf2) { jointed_piles_are_balanced<TrBdf2>(); }
 
-/// Free tools that are thrown at each other in a plane. Each is a ball with another one on a hinge through its
-/// centre. The angular momentum of each root is then I w, changed by its contacts and its joint.
+/// Checks free tools that are thrown at each other in a plane. Each is a ball with another one on a hinge
+/// through its centre. The angular momentum of each root is then I w, changed by its contacts and its joint.
 template <class I>
 void roots_are_balanced() {
   Real worst = 0;

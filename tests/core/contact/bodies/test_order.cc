@@ -22,8 +22,8 @@ Pose device_at(Real t, const Vec3& start) {
   return at(start + Vec3(2e-4, 1e-4, -1e-4) * s, Vec3(0.01, 0.02, 0.03) * s);
 }
 
-/// Three bricks on each other, on so soft a ground that the steps resolve how they sway; the hand sways the upper one.
-/// jointed: the middle one is on a hinge of the lower one, which lies in its plane.
+/// Three bricks on each other, on ground so soft that the steps resolve their sway; the hand sways the upper
+/// one. jointed: the middle one is on a hinge of the lower one, which lies in its plane.
 template <class S, bool jointed>
 std::vector<Vec3> swayed(Real h) {
   auto pile = std::make_unique<Pile<S>>();

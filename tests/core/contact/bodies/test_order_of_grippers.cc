@@ -1,4 +1,4 @@
-// The order of both integrators where a gripper holds a body and is moved: nothing hits, slips or comes apart.
+// Order of both integrators for a gripper that holds a body and is moved, without impact, slip or separation.
 #include <gtest/gtest.h>
 
 #include "tests/core/contact/bodies/jointed_pile.h"
@@ -18,7 +18,7 @@ std::unique_ptr<GripperOf<I>> soft_gripper(Real h) {
   return grip;
 }
 
-/// What it holds, at rest.
+/// Returns the gripper with its body, at rest.
 const GripperOf<TrBdf2>& at_rest() {
   static const auto rested = [] {
     auto grip = soft_gripper<TrBdf2>(finest);

@@ -30,7 +30,7 @@ Parted let_go(Pair<I>& pair) {
   return parted;
 }
 
-/// Of two bricks, the second turned and shifted against the first.
+/// Returns the motion of two bricks, the second turned and shifted against the first.
 template <class I>
 Parted bricks_parted(const Vec3& shift, const Vec3& turn, const ContactLaw& law, Real h) {
   const auto pair = std::make_unique<Pair<I>>();
@@ -126,8 +126,8 @@ constexpr unsigned num_sunk = 1200;
 constexpr unsigned num_sunk = 12;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
-/// Boxes whose centres are up to 15 mm apart, turned at random: more than half inside each other, crosswise too, where no
-/// corner of the one is in the other.
+/// Boxes whose centres are up to 15 mm apart, turned at random. More than half inside each other, also
+/// crosswise, without a corner of one in the other.
 TYPED_TEST(TouchingOverlap, SunkBoxesPart) {
   Real fastest = 0;
   for (unsigned seed = 0; seed < num_sunk; ++seed) {

@@ -1,4 +1,5 @@
-// Grippers that are pressed on a floor and on bricks come to rest, but for some um/s of one of them, with either integrator.
+// Grippers pressed on a floor and on bricks come to rest with either integrator, except for some um/s of one
+// of them.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -10,7 +11,7 @@ namespace {
 
 constexpr Real height = 0.058;  // m, of the palm, where the jaws are just above the floor
 
-/// Stiffnesses, dampings, friction, couplings and steps are drawn; the hand goes down by up to 30 mm, and rests.
+/// Random stiffness, damping, friction, coupling and step; the hand goes down by up to 30 mm, and rests.
 template <class I>
 class PressedGripper : public JointedPileOf<I> {
  public:
@@ -65,7 +66,8 @@ constexpr unsigned num_seeds = 60;
 constexpr unsigned num_seeds = 1;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
-/// Where TR-BDF2 asked (35) in the second of two Euler stages, 2 of 60 like these moved for ever, at up to 1.1 mm/s.
+/// While TR-BDF2 checked (35) in the second of two Euler stages, 2 of 60 like these moved for ever, at up to
+/// 1.1 mm/s.
 TYPED_TEST(PressedGrippers, ComeToRest) {
   Real worst = 0;
   int cases = 0;

@@ -1,5 +1,5 @@
 // Boxes that touch by their edges alone: bars across each other, bricks on rails and ridges of the world, and
-// bricks thrown at each other at any attitude. By eight small spheres at their corners they would not touch.
+// bricks thrown at each other. Eight small spheres at their corners would not touch.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -59,7 +59,8 @@ std::vector<RestCase> rest_cases() {
   return all;
 }
 
-/// Body i, carried by four crossings, comes to rest as deep as it weighs and stays. top: of what carries it.
+/// Checks that body i, carried by four crossings, comes to rest at the depth of its weight and stays. top: of
+/// its support.
 void expect_to_rest(const RestCase& c, std::size_t i, const std::function<Real()>& top, Bars& pile) {
   SCOPED_TRACE(::testing::Message() << c);
   const Real weight = brick_mass * earth_gravity, half = pile.box(i).h.z();
@@ -177,8 +178,8 @@ std::unique_ptr<Bars> thrown(const ThrowCase& c, Random& random) {
   return pile;
 }
 
-/// f(bricks, kinetic energy and speed at first) after each step of the throws of a case, 0.03 s each. Returns in
-/// how many of them the bricks touched.
+/// Calls f(bricks, kinetic energy and speed at first) after each step of the throws of a case, 0.03 s each.
+/// Returns the number of throws in which the bricks touched.
 template <class F>
 int each_step(const ThrowCase& c, Random& random, F f) {
   int touched = 0;
@@ -195,8 +196,8 @@ int each_step(const ThrowCase& c, Random& random, F f) {
   return touched;
 }
 
-/// J: the spin of a body that is near another is taken as it was before the step, which drives it a little; up to
-/// 5e-7 J are seen in 16 000 throws.
+/// J: the spin of a body near another is that before the step, which drives it a little; up to 5e-7 J
+/// occurred in 16 000 throws
 constexpr Real from_spin = 1e-6;
 
 TEST(TouchingRidges, ThrownBricksGainNoEnergy) {
@@ -214,8 +215,8 @@ TEST(TouchingRidges, ThrownBricksGainNoEnergy) {
   }
 }
 
-/// As deep as the spring of one contact stops them and the spheres round their corners off; and by what they go in
-/// half a step.
+/// As deep as the spring of one contact stops them and the spheres round their corners off. Plus their motion
+/// in half a step.
 TEST(TouchingRidges, ThrownBricksStayOutOfEachOther) {
   Random random(2);
   for (const ThrowCase& c : throw_cases()) {

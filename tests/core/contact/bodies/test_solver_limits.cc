@@ -1,5 +1,5 @@
-// A step says where its solver is in doubt: contacts whose forces miss their laws, iterations that were stopped, stages that were
-// subdivided.
+// Doubts that a step reports about its solver: residuals of contact forces, iterations that were cut off,
+// subdivided stages.
 #include <gtest/gtest.h>
 
 #include <cstdio>

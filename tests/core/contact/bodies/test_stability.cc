@@ -1,5 +1,5 @@
-// Bodies that touch each other over the ranges of stiffness, damping and step that a scene may have: finite, and no
-// energy but that of the hand and of gravity.
+// Bodies in contact over the ranges of stiffness, damping and step of scenes: finite, and no energy except
+// that of the hand and of gravity.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -54,7 +54,7 @@ void shove(Three<I>& pile) {
   pile.lead_to(2, Vec3(-0.06 + 0.06 * (1 - std::cos(10 * std::max(t, Real(0)))), 0.002, 0.006));
 }
 
-/// Without what is in the springs of the contacts: none at first, never negative.
+/// Returns the gain without the energy of contact springs, which is zero at first and never negative.
 template <class I>
 Real gain(const SweepCase& c, Hand hand, Real seconds) {
   const auto pile = crosswise<I>(c, hand);
