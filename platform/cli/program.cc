@@ -65,7 +65,7 @@ std::string hint_for(const CLI::App& app, int argc, char** argv) {
 }
 
 /// Runs the program. Throws if memory runs out or on a defect.
-ExitCode run(int argc, char** argv, const Simulation& simulation) {
+ExitCode run(int argc, char** argv, const LinkedSimulation& simulation) {
   ExitCode code = ExitCode::ok;
   CLI::App app("Couple a tool in a simulated scene to a tracked device by a damped spring.", "godobject");
   app.set_version_flag("--version", GODOBJECT_VERSION);
@@ -92,7 +92,7 @@ ExitCode run(int argc, char** argv, const Simulation& simulation) {
 
 }  // namespace
 
-void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code) {
+void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code) {
   const FaultChecks& checks = simulation.devices.faults;
   add_run(app, simulation.devices, code);
   add_check(app, simulation.devices, code);
@@ -108,7 +108,7 @@ void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code) {
   add_documents(app, code);
 }
 
-int run_program(int argc, char** argv, const Simulation& simulation) {
+int run_program(int argc, char** argv, const LinkedSimulation& simulation) {
   ExitCode code = ExitCode::not_available;
   if (!keep_standard_descriptors()) {
     std::fputs(

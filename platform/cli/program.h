@@ -8,15 +8,15 @@
 namespace godobject {
 
 /// Functions of a program that links simulated devices. Default: none.
-struct Simulation {
+struct LinkedSimulation {
   SimulatedDevices devices{};
   void (*add_verb)(CLI::App& app, ExitCode& code) = nullptr;  // adds `simulate`
 };
 
 /// Adds all verbs, in the order of help.
-void add_verbs(CLI::App& app, const Simulation& simulation, ExitCode& code);
+void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code);
 
 /// Runs the program and returns the exit code of main().
-int run_program(int argc, char** argv, const Simulation& simulation);
+int run_program(int argc, char** argv, const LinkedSimulation& simulation);
 
 }  // namespace godobject

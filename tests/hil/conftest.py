@@ -26,6 +26,12 @@ def pytest_addoption(parser):
     group.addoption("--scene", default=str(HERE / "rig.toml"), help="that describes the rig")
 
 
+@pytest.hookimpl(trylast=True)  # after -k has selected
+def pytest_collection_modifyitems(items):
+    """Every k-th test where k, GTEST_TOTAL_SHARDS, is in the environment, as in `./dev test`."""
+    items[:] = items[::int(os.environ.get("GTEST_TOTAL_SHARDS", "1"))]
+
+
 def tier_of(config):
     hardware = config.getoption("--hardware")
     return f"hardware {hardware}" if hardware else config.getoption("--tier")

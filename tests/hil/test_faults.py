@@ -2,9 +2,10 @@
 import pytest
 
 import godobject_hil as hil
-from conftest import ATTEMPTS
+from conftest import ATTEMPTS, BUS
 from fault_promises import Times, duration_of, promises, words_for
 
+NODES = (1, 2, 11, 12)  # of rig.toml
 WATCHDOG_S = 0.1  # deadline_ms of patient-402.toml
 # Delay from a command on standard input to the cycle of its injection, with margin for a late wake-up.
 LATE_S = 0.05
@@ -29,8 +30,10 @@ def test_promise_is_kept(promise, start_enabled, simulator, scene):
             continue
         zero_after_s = play(words, promise, times, simulator)
         assert host.stop() is not None, "godobject run did not end by itself"
-        simulator.clear()
+        recover(simulator)
         names = host.faults()
+        if missed_deadlines(host):
+            names -= {"held"}  # a busy machine holds a run for more than 5 % of its time; the played fault does not
         in_time = not always or zero_after_s <= zero_within(words, promise, times)
         as_promised = always <= names <= always | promise.maybe
         if as_promised and in_time:
@@ -39,6 +42,13 @@ def test_promise_is_kept(promise, start_enabled, simulator, scene):
         # A late zero is repeated only if the run was late, otherwise persisting torque could pass a retry.
         assert not as_promised or missed_deadlines(host), late_text(words, promise, times, zero_after_s, host)
     pytest.fail(f"{ATTEMPTS} times; the last: " + late_text(words, promise, times, zero_after_s, host))
+
+
+def recover(simulator):
+    """Ends all faults. Controllers that went bus-off restart, otherwise no later try could boot its nodes."""
+    simulator.clear()
+    for place in (f"bus={BUS}", *(f"bus={BUS} node={node}" for node in NODES)):
+        simulator.fault("restart " + place)
 
 
 def missed_deadlines(host):

@@ -17,7 +17,7 @@ import threading
 import time
 import zlib
 
-from viewed_run import ViewedRun, arguments, skip
+from viewed_run import ViewedRun, arguments, skip, share
 
 ARGS = arguments()
 FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
@@ -342,9 +342,9 @@ def main():
         browser.get("data:text/html,<canvas id=c></canvas>")
         if not browser.execute_script("return Boolean(document.getElementById('c').getContext('webgl2'))"):
             skip("this browser has no WebGL here")
-        for test in (test_the_tool_is_where_the_trace_says, test_all_onlookers_see_one_run, test_the_device_is_beyond_the_wall, test_the_pointer_moves_the_tool,
+        for test in share((test_the_tool_is_where_the_trace_says, test_all_onlookers_see_one_run, test_the_device_is_beyond_the_wall, test_the_pointer_moves_the_tool,
                      test_it_is_seen_what_a_press_would_drag, test_wheel_and_keys_move_joints,
-                     test_the_page_knows_when_the_run_is_gone, test_a_recording_has_a_slider):
+                     test_the_page_knows_when_the_run_is_gone, test_a_recording_has_a_slider)):
             print(test.__name__)
             sys.stdout.flush()
             test(browser, folder)

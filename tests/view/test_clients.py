@@ -11,7 +11,7 @@ import subprocess
 import threading
 import time
 
-from viewed_run import SOURCE, ViewedRun, Stream, arguments, pointer
+from viewed_run import SOURCE, ViewedRun, Stream, arguments, pointer, share
 
 ARGS = arguments()
 WALL = ("run", "sim/scenes/wall.toml", "--view", "--duration", "300")
@@ -226,11 +226,11 @@ def test_a_port_that_is_taken():
 
 def main():
     with ViewedRun(ARGS.program, *WALL) as run:
-        for test in (test_a_stream, test_who_is_refused, test_what_is_no_pointer, test_ten_megabytes, test_garbage, test_half_a_handshake,
-                     test_a_thousand_connections, test_a_flood_does_not_fill_the_console):
+        for test in share((test_a_stream, test_who_is_refused, test_what_is_no_pointer, test_ten_megabytes, test_garbage, test_half_a_handshake,
+                     test_a_thousand_connections, test_a_flood_does_not_fill_the_console)):
             print(test.__name__)
             test(run)
-    for test in (test_wrong_options, test_the_run_says_its_farewell, test_a_port_that_is_taken, test_the_loop_does_not_know_of_onlookers):
+    for test in share((test_wrong_options, test_the_run_says_its_farewell, test_a_port_that_is_taken, test_the_loop_does_not_know_of_onlookers)):
         print(test.__name__)
         test()
 

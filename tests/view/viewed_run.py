@@ -22,6 +22,11 @@ def arguments():
     return parser.parse_args()
 
 
+def share(tests):
+    """Every k-th test where k, GTEST_TOTAL_SHARDS, is in the environment, as in `./dev test`; else all."""
+    return tests[::int(os.environ.get("GTEST_TOTAL_SHARDS", "1"))]
+
+
 def skip(why):
     print("skipped:", why)
     sys.exit(SKIPPED)

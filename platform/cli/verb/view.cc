@@ -83,7 +83,7 @@ bool add_nets(const ViewOptions& options, Recording& recording) {
   const double begin = recording.samples.front().record.t, end = recording.samples.back().record.t;
   if (result.nets && (result.nets->begin() > end || result.nets->end() < begin))
     result.errors.push_back(path + ": its times do not overlap those of " + options.file +
-                            ": is it of another run?");
+                            ": give the file of the same run");
   complain(result.errors);
   recording.nets = std::move(result.nets);
   return result.errors.empty() || options.nets.empty();
