@@ -134,7 +134,7 @@ TEST(EnergyBalance, OfAJointedTool) {
 
 /// A weight on a hinge with prescribed motion, on a body coupled to the device, against gravity and inertia.
 template <class I>
-bool is_led_with_gain(unsigned seed) {
+bool gains_with_prescribed_motion(unsigned seed) {
   using S = Articulated<I, TreeJoints<None, PrescribedJoints>>;
   Random random(seed);
   const auto run = std::make_unique<Running<S>>();
@@ -170,12 +170,12 @@ bool is_led_with_gain(unsigned seed) {
   return gains;
 }
 
-TEST(EnergyBalance, WhatIsLedGainsNothing) {
+TEST(EnergyBalance, PrescribedMotionGainsNothing) {
   int alarms = 0, found = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
-    alarms += is_led_with_gain<ImplicitEuler>(seed);
-    alarms += is_led_with_gain<TrBdf2>(seed);
-    found += is_led_with_gain<Broken<TrBdf2, 20000>>(seed);
+    alarms += gains_with_prescribed_motion<ImplicitEuler>(seed);
+    alarms += gains_with_prescribed_motion<TrBdf2>(seed);
+    found += gains_with_prescribed_motion<Broken<TrBdf2, 20000>>(seed);
   }
   EXPECT_EQ(alarms, 0);
   std::printf("%d of 40 broken ones found\n", found);

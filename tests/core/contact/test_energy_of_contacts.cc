@@ -33,13 +33,13 @@ bool gains(unsigned seed, bool has_friction) {
                      .v = Vec3(random.uniform(0.2, 2), 0, -random.uniform(0, 2))}});
   EnergyBalance<S> balance;
   balance.start(par, run->x);
-  bool told = false;
+  bool reported = false;
   for (Real t = 0; t < 2; t += par.h) {
     run->step();
     balance.observe(par, run->x, run->w, run->out);
-    told = told || balance.gains();
+    reported = reported || balance.gains();
   }
-  return told;
+  return reported;
 }
 
 template <class I>
@@ -53,7 +53,7 @@ constexpr unsigned num_throws = 200;
 constexpr unsigned num_throws = 5;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
-TYPED_TEST(EnergyOfContacts, NoThrownBoxIsToldToGain) {
+TYPED_TEST(EnergyOfContacts, NoThrownBoxIsReportedToGain) {
   for (unsigned seed = 0; seed < num_throws; ++seed) EXPECT_FALSE(gains<TypeParam>(seed, true)) << seed;
 }
 
@@ -66,7 +66,7 @@ TYPED_TEST(EnergyOfContacts, ABrokenSolverIsFoundInABoxThatSlides) {
 }
 
 /// Bricks that fall on each other.
-TYPED_TEST(EnergyOfContacts, NoHeapIsToldToGain) {
+TYPED_TEST(EnergyOfContacts, NoHeapIsReportedToGain) {
   using S = FewBodies<TypeParam>;
   for (unsigned seed = 0; seed < num_throws / 5; ++seed) {
     Random random(seed);
@@ -81,14 +81,14 @@ TYPED_TEST(EnergyOfContacts, NoHeapIsToldToGain) {
            .V_WB = {.w = 10 * random.vector(), .v = 0.3 * random.vector()}});
     const auto balance = std::make_unique<EnergyBalance<S>>();
     balance->start(pile->par, pile->x);
-    bool told = false;
+    bool reported = false;
     for (Real t = 0; t < 1; t += pile->par.h) {
       pile->step();
       balance->observe(pile->par, pile->x, pile->w, pile->out);
-      told = told || balance->gains();
+      reported = reported || balance->gains();
     }
-    EXPECT_FALSE(told) << seed << ": " << balance->watch().gained() << " of " << balance->watch().at_work()
-                       << " J";
+    EXPECT_FALSE(reported) << seed << ": " << balance->watch().gained() << " of "
+                           << balance->watch().at_work() << " J";
   }
 }
 

@@ -165,7 +165,7 @@ enum class Outcome { held, moves, passed, too_soft, fault };
 /// The coupling may be so stiff that it acts within a step, and its spring holds at most the energy of the
 /// contact's.
 template <class I>
-Outcome let_go(unsigned seed) {
+Outcome release(unsigned seed) {
   BallAndBox<I> of(seed, 2e-4);
   const Real r = of.r, m = of.m;
   const FaceHit face(of.random, of.half);
@@ -193,10 +193,10 @@ Outcome let_go(unsigned seed) {
   return Outcome::held;
 }
 
-TYPED_TEST(Tunnelling, ABallThatIsLetGoOffItsTargetRestsOnTheBoxBetween) {
+TYPED_TEST(Tunnelling, ABallReleasedOffItsTargetRestsOnTheBoxBetween) {
   int num_held = 0;
   for (unsigned seed = 0; seed < num_throws; ++seed) {
-    const Outcome outcome = let_go<TypeParam>(seed);
+    const Outcome outcome = release<TypeParam>(seed);
     EXPECT_TRUE(outcome == Outcome::held || outcome == Outcome::too_soft)
         << "seed " << seed << ", outcome " << static_cast<int>(outcome);
     num_held += outcome == Outcome::held ? 1 : 0;

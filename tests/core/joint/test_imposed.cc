@@ -60,11 +60,11 @@ TYPED_TEST_SUITE(Prescribed, BothIntegrators);
 
 /// A bar on one prescribed joint, its centre 0.1 m along x.
 template <class I>
-class ImposedBar : public Running<Articulated<I, Imposing>> {
+class PrescribedBar : public Running<Articulated<I, Imposing>> {
  public:
   using S = Articulated<I, Imposing>;
 
-  ImposedBar(JointKind kind, Real h, const RampParams& ramp = {.rise = 0, .lost = 0.02}) {
+  PrescribedBar(JointKind kind, Real h, const RampParams& ramp = {.rise = 0, .lost = 0.02}) {
     this->par.h = h;
     BodyParams<S>& b = this->par.bodies[0];
     b.joint.kind = kind;
@@ -84,7 +84,7 @@ class ImposedBar : public Running<Articulated<I, Imposing>> {
 /// Every kind along a sine, from rest.
 TYPED_TEST(Prescribed, EveryKindFollowsItsCoordinates) {
   for (const JointKind kind : imposable) {
-    ImposedBar<TypeParam> bar(kind, 1e-3);
+    PrescribedBar<TypeParam> bar(kind, 1e-3);
     bar.par.gravity_W = Vec3(1, -2, -9.81);
     engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
     Real worst_error = 0;
@@ -103,9 +103,9 @@ TYPED_TEST(Prescribed, EveryKindFollowsItsCoordinates) {
 
 /// The grasper with both jaws prescribed.
 template <class I>
-class ImposedGrasper : public GrasperTool<I, Imposing> {
+class PrescribedGrasper : public GrasperTool<I, Imposing> {
  public:
-  explicit ImposedGrasper(Real h) : GrasperTool<I, Imposing>({.h = h}) {
+  explicit PrescribedGrasper(Real h) : GrasperTool<I, Imposing>({.h = h}) {
     for (const std::size_t i : {left_jaw, right_jaw}) {
       this->par.bodies[i].joint.motion.prescribed = true;
       this->par.bodies[i].coupling = {};  // the jaw needs none
@@ -126,7 +126,7 @@ class ImposedGrasper : public GrasperTool<I, Imposing> {
 };
 
 TYPED_TEST(Prescribed, JawsOfTheGrasperFollowTheDevice) {
-  ImposedGrasper<TypeParam> tool(1e-3);
+  PrescribedGrasper<TypeParam> tool(1e-3);
   Real worst_error = 0;
   Drift joints;
   for (int n = 0; n < 3000; ++n) {
@@ -143,7 +143,7 @@ TYPED_TEST(Prescribed, JawsOfTheGrasperFollowTheDevice) {
 }
 
 std::array<Vec3, 4> positions_after(Real h, Real seconds) {
-  ImposedGrasper<TrBdf2> tool(h);
+  PrescribedGrasper<TrBdf2> tool(h);
   while (tool.time() < seconds - h / 2) tool.lead_and_follow();
   std::array<Vec3, 4> p;
   for (std::size_t i = 0; i < 4; ++i) p[i] = tool.x.bodies[i].x.X_WB.p;
@@ -166,7 +166,7 @@ TEST(ImposedJaws, AreSecondOrderWithTrBdf2) {
 
 /// A bar held out level: the joint carries its weight, and the torque of it about the anchor.
 TYPED_TEST(Prescribed, ReactionHoldsTheLoad) {
-  ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3);
+  PrescribedBar<TypeParam> bar(JointKind::hinge, 1e-3);
   bar.par.gravity_W = Vec3(0.3, -9.81, 0.7);
   engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   bar.step(2000);
@@ -180,7 +180,7 @@ TYPED_TEST(Prescribed, ReactionHoldsTheLoad) {
 
 /// Taken up at other coordinates than the joint's: still at first, there with the end of the ramp.
 TYPED_TEST(Prescribed, RampStartsWithoutAJumpAndEndsAtTheDevice) {
-  ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3, {.rise = 0.2, .lost = 0.02});
+  PrescribedBar<TypeParam> bar(JointKind::hinge, 1e-3, {.rise = 0.2, .lost = 0.02});
   bar.sample().q[0] = 0.8;
   bar.step();
   EXPECT_EQ(bar.q()[0], 0);
@@ -196,7 +196,7 @@ TYPED_TEST(Prescribed, RampStartsWithoutAJumpAndEndsAtTheDevice) {
 
 /// A device that turns on and on gives its angle within [-pi, pi]: nothing happens where it starts again.
 TYPED_TEST(Prescribed, GoesOnThroughTheHalfTurn) {
-  ImposedBar<TypeParam> bar(JointKind::hinge, 1e-3);
+  PrescribedBar<TypeParam> bar(JointKind::hinge, 1e-3);
   engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   bar.body().w_B.z() = 2;
   bar.body().v_W = Vec3(0, 0.2, 0);
@@ -211,8 +211,8 @@ TYPED_TEST(Prescribed, GoesOnThroughTheHalfTurn) {
 }
 
 template <class I>
-ImposedBar<I> bar_in_motion() {
-  ImposedBar<I> bar(JointKind::hinge, 1e-3);
+PrescribedBar<I> bar_in_motion() {
+  PrescribedBar<I> bar(JointKind::hinge, 1e-3);
   engage_at(bar.x, 0, {.X_WD = bar.in.devices[0].target.X_WD, .V_WD = {}});
   for (int n = 1; n <= 500; ++n) {
     bar.sample().q[0] = 1e-3 * n;
@@ -224,7 +224,7 @@ ImposedBar<I> bar_in_motion() {
 
 TYPED_TEST(Prescribed, LostSamplesAndReleaseHoldTheCoordinate) {
   for (const bool lost : {true, false}) {
-    ImposedBar<TypeParam> bar = bar_in_motion<TypeParam>();
+    PrescribedBar<TypeParam> bar = bar_in_motion<TypeParam>();
     bar.in.devices[0].valid = !lost;
     bar.in.devices[0].engaged = lost;
     bar.sample() = {.q = JointCoordinates(-1, 0), .q_dot = JointCoordinates(3, 0)};
@@ -241,7 +241,7 @@ TYPED_TEST(Prescribed, LostSamplesAndReleaseHoldTheCoordinate) {
 }
 
 TYPED_TEST(Prescribed, NotANumberIsAFaultThatLosesNothing) {
-  ImposedBar<TypeParam> bar = bar_in_motion<TypeParam>(), undisturbed = bar;
+  PrescribedBar<TypeParam> bar = bar_in_motion<TypeParam>(), undisturbed = bar;
   const JointMotionSample good = bar.sample();
   for (Real* bad : {&bar.sample().q[0], &bar.sample().q_dot[1]}) {
     bar.sample() = good;

@@ -12,7 +12,7 @@ enum class Ordeal {
   free,        // no coupling: flies with random velocities, turning
   inside_out,  // mirrored at the start
   far_node,    // one node 1 m away at the start
-  led,         // the hand sways at up to 5 m/s and 100 m/s^2, then rests
+  swayed,      // the hand sways at up to 5 m/s and 100 m/s^2, then rests
   pinched,     // drawn between two boxes of the world that are nearer to each other than it is wide
   jaws,        // between two boxes on bodies that close on it
   hole,        // drawn through a gap smaller than itself, between two capsules
@@ -35,7 +35,7 @@ struct Drawn {
 
   /// 400, or so many that the hand has come to rest a third before the end, however short they are.
   int steps() const {
-    const bool is_moved = ordeal == Ordeal::led || ordeal == Ordeal::pinched || ordeal == Ordeal::jaws ||
+    const bool is_moved = ordeal == Ordeal::swayed || ordeal == Ordeal::pinched || ordeal == Ordeal::jaws ||
                           ordeal == Ordeal::hole;
     return is_moved ? std::max(400, static_cast<int>(std::ceil(1.5 * rest_after / h))) : 400;
   }
@@ -83,7 +83,7 @@ struct RandomNet : Running<NetScene<I>> {
     of.anchors = !is_drawn_in && random.integer(0, 3) == 0 ? 0 : random.log_uniform(1e-3, 10);
     of.h = random.log_uniform(1e-4, 5e-3);
     of.gravity = random.integer(0, 1) * 9.81;
-    of.on_carrier = ordeal == Ordeal::pinched || ordeal == Ordeal::led || ordeal == Ordeal::hole ||
+    of.on_carrier = ordeal == Ordeal::pinched || ordeal == Ordeal::swayed || ordeal == Ordeal::hole ||
                     ordeal == Ordeal::free || random.integer(0, 3) > 0;
     of.carrier_m = random.log_uniform(1e-2, 1);
     of.coupling_k = random.log_uniform(100, 1e4);
@@ -226,7 +226,7 @@ struct RandomNet : Running<NetScene<I>> {
     const Real t = static_cast<Real>(this->x.tick + 1) * of.h;
     auto& in = this->in;
     const Real moving = std::min(t, of.rest_after);
-    if (of.ordeal == Ordeal::led) {
+    if (of.ordeal == Ordeal::swayed) {
       const Real A = of.peak_v / of.omega;
       in.devices[0].target.X_WD.p = A * (1 - std::cos(of.omega * moving)) * of.way;
       in.devices[0].target.V_WD.v =

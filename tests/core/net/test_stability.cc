@@ -96,7 +96,7 @@ TYPED_TEST(NetStability, Held) { this->outlive_all(Ordeal::held); }
 TYPED_TEST(NetStability, InFlight) { this->outlive_all(Ordeal::free); }
 TYPED_TEST(NetStability, InsideOut) { this->outlive_all(Ordeal::inside_out); }
 TYPED_TEST(NetStability, WithANodeFarAway) { this->outlive_all(Ordeal::far_node); }
-TYPED_TEST(NetStability, LedByTheHand) { this->outlive_all(Ordeal::led); }
+TYPED_TEST(NetStability, SwayedByTheHand) { this->outlive_all(Ordeal::swayed); }
 TYPED_TEST(NetStability, PinchedInTheWorld) { this->outlive_all(Ordeal::pinched); }
 TYPED_TEST(NetStability, PinchedBetweenBodies) { this->outlive_all(Ordeal::jaws); }
 TYPED_TEST(NetStability, ThroughAHole) { this->outlive_all(Ordeal::hole); }
@@ -128,7 +128,7 @@ bool comes_to_rest(Ordeal ordeal, unsigned seed) {
     of.zeta = std::max(of.zeta, Real(0.2));
     of.cap = 12;
     of.gravity = 0;
-    if (ordeal == Ordeal::held || ordeal == Ordeal::led) return;
+    if (ordeal == Ordeal::held || ordeal == Ordeal::swayed) return;
     // the coupling's damper is that of the carrier alone: nets weigh no more, and 30 rad/s are left with them
     of.carrier_m = std::max(of.carrier_m, 64 * of.m);
     of.coupling_k = std::max(of.coupling_k, 2 * 30 * 30 * of.carrier_m);
@@ -150,12 +150,12 @@ unsigned count_restless(Ordeal ordeal, unsigned cases) {
     restless += !share.takes() || comes_to_rest<I>(ordeal, seed) ? 0 : 1;
   return restless;
 }
-constexpr unsigned led_cases = seeds / 5 + 4, other_cases = seeds / 10 + 2;
+constexpr unsigned swayed_cases = seeds / 5 + 4, other_cases = seeds / 10 + 2;
 
 TEST(NetRest, DampedNetsRestWhenTheHandDoes) {
-  for (const Ordeal ordeal : {Ordeal::held, Ordeal::led}) {
-    EXPECT_EQ(count_restless<ImplicitEuler>(ordeal, led_cases), 0u);
-    EXPECT_EQ(count_restless<TrBdf2>(ordeal, led_cases), 0u);
+  for (const Ordeal ordeal : {Ordeal::held, Ordeal::swayed}) {
+    EXPECT_EQ(count_restless<ImplicitEuler>(ordeal, swayed_cases), 0u);
+    EXPECT_EQ(count_restless<TrBdf2>(ordeal, swayed_cases), 0u);
   }
 }
 TEST(NetRest, DampedNetsRestThatWerePulledOut) {

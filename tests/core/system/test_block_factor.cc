@@ -159,7 +159,7 @@ TEST(BlockFactor, FillsAllBlocksAndSaysWhenThereAreTooFew) {
 TEST(BlockFactor, FollowsWhatActs) {
   Random random(5);
   for (const Real stiffest : contrasts) {
-    Miss kept, joined, parted;
+    Miss kept, joined, separated;
     for (int n = 0; n < 3 * few; ++n) {
       Bodies<Free> s = random_bodies<Free>(grid(3, solved / 3), stiffest, random,
                                            [&](const Edge&) { return random.integer(0, 2) > 0; });
@@ -175,13 +175,13 @@ TEST(BlockFactor, FollowsWhatActs) {
         add_miss(s, random, miss);
       };
       change(kept, [](const Between& b) { return b.acts; });
-      change(parted, [&](const Between& b) { return b.acts && random.integer(0, 1) > 0; });
+      change(separated, [&](const Between& b) { return b.acts && random.integer(0, 1) > 0; });
       change(joined, [&](const Between&) { return random.integer(0, 3) > 0; });
-      change(parted, [&](const Between& b) { return b.acts && random.integer(0, 1) > 0; });
+      change(separated, [&](const Between& b) { return b.acts && random.integer(0, 1) > 0; });
       change(joined, [](const Between&) { return true; });
     }
     expect_solved("grid with other forces", stiffest, kept);
-    expect_solved("grid with pairs that part", stiffest, parted);
+    expect_solved("grid with pairs that part", stiffest, separated);
     expect_solved("grid with pairs that meet", stiffest, joined);
   }
 }

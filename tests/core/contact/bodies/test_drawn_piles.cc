@@ -21,7 +21,7 @@ constexpr double touching_more = 0;  // some are still on their way
 /// Outcome of a drawn scene.
 struct Outcome {
   bool begins_apart = true;  // otherwise bodies overlap at first, and separate with the energy of (35)
-  bool told = false;         // that it gains (38)
+  bool reported = false;     // that it gains (38)
   Real gained = 0;           // beyond the initial energy of contacts, J; without a moving hand
   Real at_work = 0;          // the most that has been, J
   std::size_t contacts = 0;
@@ -43,7 +43,7 @@ Outcome run(DrawnKind kind, unsigned seed) {
     const ContactReport& contacts = pile->out.contacts;
     if (end.steps == 0 && contacts.found > 1e-12) return {.begins_apart = false};
     balance->observe(pile->par, pile->x, pile->w, pile->out);
-    end.told = end.told || balance->gains();
+    end.reported = end.reported || balance->gains();
     end.at_work = std::max(end.at_work, balance->watch().at_work());
     found += contacts.found;
     if (!pile->is_held())
@@ -57,7 +57,7 @@ Outcome run(DrawnKind kind, unsigned seed) {
 template <class I>
 Outcome expect_no_gain(DrawnKind kind, unsigned seed) {
   const Outcome end = run<I>(kind, seed);
-  EXPECT_FALSE(end.told) << "kind " << static_cast<int>(kind) << ", seed " << seed;
+  EXPECT_FALSE(end.reported) << "kind " << static_cast<int>(kind) << ", seed " << seed;
   // tools that fly swing by the order of the step, as in test_heavy_ends.cc
   EXPECT_LE(end.gained, 1e-3 * end.at_work + 1e-9) << "kind " << static_cast<int>(kind) << ", seed " << seed;
   return end;

@@ -155,7 +155,7 @@ TEST(EdgeCrossings, AreAllThoseOfBricksThatLieOnEachOther) {
   const Vec3 h(0.016, 0.008, 0.005);
   const PosedBox below{.p = Vec3::Zero(), .h = h, .R = Mat3::Identity()};
   Random random(3);
-  std::size_t sought = 0;
+  std::size_t num_checked = 0;
   for (int n = 0; n < draws; ++n) {
     SCOPED_TRACE(::testing::Message() << "draw " << n);
     const Real depth = random.log_uniform(1e-6, 1e-4), tilt = 3 * depth / h.x() * random.uniform(0, 1);
@@ -171,18 +171,18 @@ TEST(EdgeCrossings, AreAllThoseOfBricksThatLieOnEachOther) {
       const NearestPoints at = nearest_points(edges, above, below);
       if (at.along_a > 0.98 * h[edges.i] || at.along_b > 0.98 * h[edges.j]) continue;
       if (const Real d = axis.n.dot(at.on_b - at.on_a); d < 0 || d > 1e-3) continue;
-      ++sought;
+      ++num_checked;
       EXPECT_TRUE(
           std::any_of(found.begin(), found.end(), [&](const EdgeCrossing& c) { return c.edges == number; }))
           << "edges " << number << ", " << depth << " m deep, tilted by " << tilt;
     }
   }
-  EXPECT_GT(sought, static_cast<std::size_t>(draws));
+  EXPECT_GT(num_checked, static_cast<std::size_t>(draws));
 }
 
 TEST(EdgeCrossings, AreThoseOfAllPairsOfEdges) {
   Random random(1);
-  std::size_t found = 0, sought = 0;
+  std::size_t found = 0, num_checked = 0;
   for (int n = 0; n < draws; ++n) {
     SCOPED_TRACE(::testing::Message() << "draw " << n);
     const auto [a, b] = random_boxes(-1.5 * edge_reach, 0.3, random);
@@ -192,20 +192,20 @@ TEST(EdgeCrossings, AreThoseOfAllPairsOfEdges) {
       EXPECT_EQ(
           std::count_if(all.begin(), all.end(), [&](const EdgeCrossing& c) { return c.edges == edges; }), 1)
           << "edges " << edges;
-      ++sought;
+      ++num_checked;
     }
     for (std::size_t k = 1; k < all.size(); ++k) EXPECT_LT(all[k - 1].edges, all[k].edges);
     found += all.size();
     if (HasFailure()) return;
   }
-  std::printf("%d pairs of boxes: %zu crossings, %zu of them sure\n", draws, found, sought);
-  EXPECT_GT(sought, static_cast<std::size_t>(draws / 4));
+  std::printf("%d pairs of boxes: %zu crossings, %zu of them sure\n", draws, found, num_checked);
+  EXPECT_GT(num_checked, static_cast<std::size_t>(draws / 4));
 }
 
 /// Boxes that an axis of edges parts soonest are deep in each other by those edges.
 TEST(EdgeCrossings, PartBoxesTheShortestWay) {
   Random random(2);
-  int parted = 0, others = 0;
+  int num_separated = 0, others = 0;
   for (int n = 0; n < draws; ++n) {
     SCOPED_TRACE(::testing::Message() << "draw " << n);
     const auto [a, b] = random_boxes(0, 0.1, random);
@@ -231,7 +231,7 @@ TEST(EdgeCrossings, PartBoxesTheShortestWay) {
       if (is_it) way = crossing;
       else ++others;
     }
-    ++parted;
+    ++num_separated;
     ASSERT_TRUE(way.has_value()) << least.i << ", " << least.j << ": " << least.overlap;
     ASSERT_LT((way->n_W - least.n).norm(), 1e-10);
     ASSERT_GT(way->n_W.dot(a.p - b.p), 0);
@@ -240,8 +240,8 @@ TEST(EdgeCrossings, PartBoxesTheShortestWay) {
     moved.p += (way->d + 1e-9) * way->n_W;
     EXPECT_LT(overlap(moved, b), 0);
   }
-  std::printf("%d pairs of boxes are parted by edges, with %d crossings beside\n", parted, others);
-  EXPECT_GT(parted, draws / 20);
+  std::printf("%d pairs of boxes are parted by edges, with %d crossings beside\n", num_separated, others);
+  EXPECT_GT(num_separated, draws / 20);
 }
 
 TEST(EdgeCrossings, AreTheSameSeenFromTheOtherBox) {

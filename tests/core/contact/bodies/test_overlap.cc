@@ -12,39 +12,39 @@ namespace {
 template <class I>
 using Pair = Pile<FewBodies<I>>;
 
-struct Parted {
+struct Separation {
   Real fastest = 0;  // a point of either, m/s
   Real depth = 0;    // in the end, m
 };
 
 /// The bodies of the pair left to themselves for two seconds.
 template <class I>
-Parted let_go(Pair<I>& pair) {
-  Parted parted;
+Separation release(Pair<I>& pair) {
+  Separation separation;
   for (int n = 0; n < 2 / pair.par.h; ++n) {
     pair.step();
     if (any(pair.out.fault)) return {.fastest = std::numeric_limits<Real>::infinity()};
-    parted.fastest = std::max(parted.fastest, pair.fastest());
+    separation.fastest = std::max(separation.fastest, pair.fastest());
   }
-  parted.depth = pair.out.contacts.deepest;
-  return parted;
+  separation.depth = pair.out.contacts.deepest;
+  return separation;
 }
 
 /// Returns the motion of two bricks, the second turned and shifted against the first.
 template <class I>
-Parted bricks_parted(const Vec3& shift, const Vec3& turn, const ContactLaw& law, Real h) {
+Separation separated_bricks(const Vec3& shift, const Vec3& turn, const ContactLaw& law, Real h) {
   const auto pair = std::make_unique<Pair<I>>();
   pair->par.h = h;
   set_law(pair->par, law);
   const Quat q = exp_so3(Vec3(0.3, -0.2, 0.5));  // no axis of the world is special
   pair->add_brick({.X_WB = {.p = Vec3::Zero(), .q = q}, .V_WB = {}});
   pair->add_brick({.X_WB = {.p = q * shift, .q = q * exp_so3(turn)}, .V_WB = {}});
-  return let_go(*pair);
+  return release(*pair);
 }
 
-void expect_apart(const Parted& parted) {
-  EXPECT_LT(parted.fastest, 1);
-  EXPECT_LT(parted.depth, 1e-5);
+void expect_apart(const Separation& separation) {
+  EXPECT_LT(separation.fastest, 1);
+  EXPECT_LT(separation.depth, 1e-5);
 }
 
 template <class I>
@@ -66,7 +66,7 @@ TYPED_TEST(TouchingOverlap, BallsPart) {
         set_law(pair->par, law_of(k, 0.4));
         pair->add_ball({}, brick_mass, radius);
         pair->add_ball({.X_WB = at(Vec3(0.6, 0, 0.8) * radius), .V_WB = {}}, ratio * brick_mass, radius);
-        expect_apart(let_go(*pair));
+        expect_apart(release(*pair));
         EXPECT_GT((pair->p(0) - pair->p(1)).norm(), 2 * radius - 1e-5);
       }
 }
@@ -85,7 +85,7 @@ TYPED_TEST(TouchingOverlap, ClustersOfSpheresPart) {
         for (int axis = 0; axis < 3; ++axis)
           for (const Real side : {-0.005, 0.005}) add_sphere(pair->par, i, side * Vec3::Unit(axis), radius);
       }
-      expect_apart(let_go(*pair));
+      expect_apart(release(*pair));
       EXPECT_GT((pair->p(0) - pair->p(1)).norm(), 0.015);
     }
 }
@@ -102,10 +102,10 @@ TYPED_TEST(TouchingOverlap, BricksShiftedAndTurnedPart) {
     const Real k = stiffness[static_cast<std::size_t>(n / 3) % 3],
                h = steps[static_cast<std::size_t>(n / 9) % 3];
     SCOPED_TRACE(::testing::Message() << "case " << n << ", k " << k << ", h " << h);
-    const Parted parted = bricks_parted<TypeParam>(shift, turn, law_of(k, 0.4), h);
-    expect_apart(parted);
-    fastest = std::max(fastest, parted.fastest);
-    deepest = std::max(deepest, parted.depth);
+    const Separation separation = separated_bricks<TypeParam>(shift, turn, law_of(k, 0.4), h);
+    expect_apart(separation);
+    fastest = std::max(fastest, separation.fastest);
+    deepest = std::max(deepest, separation.depth);
   }
   std::printf("%s: bricks part at %.3f m/s at most, %.1e m left\n", TypeParam::name, fastest, deepest);
 }
@@ -116,7 +116,7 @@ TYPED_TEST(TouchingOverlap, AlignedBricksPart) {
     for (const Real k : stiffness) {
       SCOPED_TRACE(::testing::Message() << "along axis " << axis << ", k " << k);
       const Vec3 shift = brick_half[axis] * Vec3::Unit(axis);
-      expect_apart(bricks_parted<TypeParam>(shift, Vec3::Zero(), law_of(k, 0.4), 1e-3));
+      expect_apart(separated_bricks<TypeParam>(shift, Vec3::Zero(), law_of(k, 0.4), 1e-3));
     }
 }
 
