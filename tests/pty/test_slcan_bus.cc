@@ -333,7 +333,7 @@ TEST(SlcanBus, FramesOfCanFdAreNamed) {
   adapter.say("d1813ABCDEF\rB00000181F" + std::string(128, '0') + "\rb18190011223344556677889900AA\r" +
               "D0000018101234\r");
   pump(bus, [&] { return bus.trouble().find("4 CAN FD") != std::string::npos; });
-  EXPECT_THAT(bus.trouble(), HasSubstr("4 CAN FD frames came"));
+  EXPECT_THAT(bus.trouble(), HasSubstr("4 CAN FD frames arrived"));
   EXPECT_EQ(bus.counters().error_frames, 0u);
 }
 

@@ -70,7 +70,7 @@ TEST_F(BackgroundFiles, AFileThatTakesNothingIsGivenUp) {
   EXPECT_TRUE(file.write("a line\n", milliseconds(50)));
   EXPECT_FALSE(file.write(std::string(room, '\n'), milliseconds(50)));
   EXPECT_FALSE(file.write("a line\n", milliseconds(60'000))) << "and not waited for again";
-  EXPECT_THAT(file.close(Clock::now()).why, HasSubstr("took nothing for 50 ms"));
+  EXPECT_THAT(file.close(Clock::now()).why, HasSubstr("accepted no bytes for 50 ms"));
 }
 
 TEST_F(BackgroundFiles, SaysWhyNot) {

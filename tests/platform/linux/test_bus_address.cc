@@ -44,10 +44,10 @@ TEST(BusAddress, ErrorsAreReported) {
         {"kvaser:0", "unknown bus kind 'kvaser'; expected socketcan:, slcan:, pty:, board:, replay:"},
         {"can0", "the bus kind is missing: give socketcan:can0"},
         {"/dev/ttyACM0", "slcan:/dev/ttyACM0"},
-        {"socketcan", "followed by INTERFACE"},
-        {"slcan:", "followed by PATH"},
-        {"board:", "followed by PATH"},
-        {"replay:", "followed by FILE"},
+        {"socketcan", "needs INTERFACE"},
+        {"slcan:", "needs PATH"},
+        {"board:", "needs PATH"},
+        {"replay:", "needs FILE"},
         {"pty:/dev/pts/3", "pty takes no address"},
         {"socketcan:a-name-of-16-ch.", "at most 15"}}) {
     std::string error;

@@ -84,7 +84,7 @@ TEST_F(Replay, OneInterfaceOfSeveralIsChosen) {
   EXPECT_THAT(both.trouble(), HasSubstr("can0, can1: choose one"));
   ReplayBus other(log + ",can7", {});
   EXPECT_FALSE(other.open());
-  EXPECT_THAT(other.trouble(), HasSubstr("nothing of can7, only of can0, can1"));
+  EXPECT_THAT(other.trouble(), HasSubstr("no frame of can7, only of can0, can1"));
   ReplayBus bus(log + ",can1", {});
   ASSERT_TRUE(bus.open()) << bus.trouble();
   ReceivedFrame frame;
