@@ -249,9 +249,9 @@ TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesImplicitEuler) {
 }
 TEST(Momentum, OfToolsOnJointsIsThatOfTheirForcesTrBdf2) { jointed_piles_are_balanced<TrBdf2>(); }
 
-/// Angular impulses on the root of a tool in a stage of length h, N m s. missing: the part that its contacts, its
-/// weight and the joints of its children do not explain. largest: the largest of these, and of all forces of the
-/// scene at the lever of a corner.
+/// Angular impulses on the root of a tool in a stage of length h, N m s. missing: the part that its contacts,
+/// its weight and the joints of its children do not explain. largest: the largest of these, and of all forces
+/// of the scene at the lever of a corner.
 struct RootTorque {
   Real missing = 0, largest = 0;
 };
@@ -285,8 +285,8 @@ RootTorque root_torque(const Pile& pile, std::size_t root, Real h) {
   return torque;
 }
 
-/// Checks the equation of the solved stage for roots of tools. It is linear in their turns and torques, so it holds
-/// to rounding in steps of one stage, whose length is known.
+/// Checks the equation of the solved stage for roots of tools. It is linear in their turns and torques, so it
+/// holds to rounding in steps of one stage, whose length is known.
 TEST(Momentum, OfRootsOfToolsIsThatOfTheirTorques) {
   Real worst = 0;
   int unbalanced = 0;
