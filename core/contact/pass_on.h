@@ -59,12 +59,12 @@ void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
   }
 }
 
-/// Adds F_W to the contact with the largest force among those with the same ends as contact k, and returns
-/// it.
-/// of: the near contacts. forces: of these. are_alike(a, b): true if two near contacts have the same ends.
-template <class Near, class Forces, class AreAlike>
-const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& of, Forces& forces,
-                                  AreAlike are_alike) noexcept {
+/// Adds on_a(contact) to the largest force of the contacts with the same ends as contact k, and returns this
+/// contact. of: the near contacts. forces: of these. are_alike(a, b): true if two near contacts have the same
+/// ends; two bodies may be a and b of a contact in either order.
+template <class Near, class Forces, class AreAlike, class OnA>
+const NearContact& add_to_bearing(std::uint32_t k, const Near& of, Forces& forces, AreAlike are_alike,
+                                  OnA on_a) noexcept {
   std::uint32_t bearing = k;
   Real most = 0;
   for (std::uint32_t i = 0, n = 0; i < of.size && n < forces.size; ++i) {
@@ -81,7 +81,7 @@ const NearContact& add_to_bearing(std::uint32_t k, const Vec3& F_W, const Near& 
   ContactForces<1> more;
   more.size = 1;
   more.list[0] = {
-      .key = one.key, .on = one.on, .a = one.a, .b = one.b, .p_W = one.p_W, .n_W = one.n_W, .F_W = F_W};
+      .key = one.key, .on = one.on, .a = one.a, .b = one.b, .p_W = one.p_W, .n_W = one.n_W, .F_W = on_a(one)};
   forces.add(more, 1);
   return one;
 }
@@ -114,8 +114,9 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
   const std::uint32_t next = link.a == i ? link.b : link.a;
   if (link.kind == Link::Kind::contact) {
     add_to_bearing(
-        link.k, w.near.list[link.k].a == i ? F_W : Vec3(-F_W), w.near, w.forces,
-        [](const NearContact& a, const NearContact& b) noexcept { return pair_of(a) == pair_of(b); });
+        link.k, w.near, w.forces,
+        [](const NearContact& a, const NearContact& b) noexcept { return pair_of(a) == pair_of(b); },
+        [&](const NearContact& one) noexcept { return one.a == i ? F_W : Vec3(-F_W); });
     w.wrenches[i].f += F_W;
     if (next < N) w.wrenches[next].f -= F_W;
   }
@@ -125,7 +126,8 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
       return a.b == b.b && end_of_node(a.a, w) == end_of_node(b.a, w);
     };
     const Vec3 on_node = is_by_net(link, i, w) ? F_W : Vec3(-F_W);
-    const NearContact& one = add_to_bearing(link.k, on_node, w.net.near, w.net.forces, are_alike);
+    const NearContact& one = add_to_bearing(link.k, w.net.near, w.net.forces, are_alike,
+                                            [&](const NearContact&) noexcept { return on_node; });
     if (one.b < N) w.wrenches[one.b].f -= on_node;
     // a body moves by its missing force as by one through its centre of mass
     const std::uint32_t carrier = end_of_node(one.a, w);
