@@ -18,6 +18,7 @@
 #include "core/body/target.h"
 #include "hal/can/bus.h"
 #include "hal/drive/drive.h"
+#include "hal/joint/answer_delay.h"
 #include "hal/joint/encoder.h"
 #include "hal/joint/kinematic_tree.h"
 #include "hal/joint/sync_attribution.h"
@@ -80,6 +81,8 @@ class Rig {
   static constexpr int max_frames_per_receive = 512;
   /// Cycles at zero torque in which every drive must say that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
+  /// Periods between two SYNCs that are left out on a bus, at least.
+  static constexpr std::uint64_t min_mark_distance = 16;
 
   /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
   /// Allocates; nothing later does.
@@ -110,7 +113,8 @@ class Rig {
 
   /// SYNC on every bus, or a request to each drive where its protocol has none: the first frames of the cycle.
   /// Positions are measured when it ends. now: in the clock of the buses' receive stamps. A bus that refuses
-  /// it has no SYNC in this cycle.
+  /// it has no SYNC in this cycle. Nor has a bus whose answers may be late: the host's heartbeat takes the place of
+  /// the SYNC, and the delay shows by the answer that is missing (hal/joint/answer_delay.h).
   void sync(Nanoseconds now) noexcept;
   /// Decodes what has arrived so far, up to max_frames_per_receive on each bus; the next call carries on.
   void receive(Nanoseconds now) noexcept;
@@ -154,11 +158,16 @@ class Rig {
     BusProtocol protocol;
     SyncAttribution syncs;
     int refused_in_a_row = 0;
+    std::uint64_t mark_distance;  // of SYNCs left out, periods at least
+    std::uint64_t last_mark = 0;  // number of the last SYNC left out
+    bool asked = false;           // in this cycle SYNC or a request went out,
+    bool marked = false;          // or was left out on purpose
     std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
   };
   struct EncoderOnBus {
     Encoder encoder;
     std::size_t node;
+    AnswerDelay delay;
     std::uint64_t answered_sync = 0;
     Nanoseconds t_good_ns = 0;  // when its sample was last young enough
   };
@@ -167,6 +176,7 @@ class Rig {
     std::size_t node;
     Eigen::Index joint;
     std::uint64_t every_nth_sync;
+    AnswerDelay delay;
     std::uint64_t answered_sync = 0;
     bool request_refused = false;  // in this cycle
     double max_slip = 0;           // rad or m; 0: not compared with an encoder
@@ -191,6 +201,10 @@ class Rig {
   Eigen::Index joint_named(const std::string& name) const;
 
   bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
+  bool ask(std::size_t bus, Nanoseconds now) noexcept;
+  bool wants_mark(std::size_t bus) noexcept;
+  template <class Function>
+  void for_each_delay(std::size_t bus, Function&& function) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
   void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept {
@@ -209,6 +223,8 @@ class Rig {
   bool from_second_host(std::size_t bus, const CanFrame& frame) noexcept;
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
   void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
+  Nanoseconds sampled_at(const RigNode& node, const AnswerDelay& delay,
+                         const SyncAttribution::Answer& answer) const noexcept;
   void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
   void on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
                 Nanoseconds now) noexcept;
@@ -219,7 +235,8 @@ class Rig {
   void check_buses() noexcept;
   void check_nodes(Nanoseconds now) noexcept;
   void check_samples(Nanoseconds now) noexcept;
-  bool lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept;
+  bool lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
+            Nanoseconds now) const noexcept;
   bool measured_anew(std::size_t joint, const JointSample& sample) noexcept;
   void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
   void check_drives() noexcept;
@@ -229,6 +246,7 @@ class Rig {
   void wait_for_drives(Nanoseconds now) noexcept;
   bool boot_is_over(Nanoseconds now) const noexcept;
   bool booted(const RigNode& node, Nanoseconds now) const noexcept;
+  bool is_known(const AnswerDelay& delay, const RigNode& node) const noexcept;
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
   bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
   /// How far it was when the first fault came; without one how far it is. What was there then is still looked after.
