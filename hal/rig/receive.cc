@@ -101,7 +101,7 @@ void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttributio
     encoder.delay.answered_again();
     return;
   }
-  encoder.delay.answered(answer.sync, buses_[node.bus].syncs.num_syncs(), now_ns_);
+  encoder.delay.answered(answer.sync, buses_[node.bus].syncs.num_syncs());
   encoder.encoder.update(position_counts, sampled_at(node, encoder.delay, answer));
   encoder.answered_sync = answer.sync;
 }
@@ -121,7 +121,7 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
   } else if (message.position) {
     drive.answered_sync = answer.sync;
     if (buses_[node.bus].protocol.answers_only)
-      drive.delay.answered(answer.sync, buses_[node.bus].syncs.num_syncs(), now);
+      drive.delay.answered(answer.sync, buses_[node.bus].syncs.num_syncs());
   }
   if (drives_were_up()) check_drive_error(drive);
   if (node.canopen || !message.alive) return;

@@ -40,7 +40,8 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
     buses_.push_back({.bus = buses[i],
                       .protocol = bus_protocol(protocol_of_bus(params, i)),
                       .syncs = SyncAttribution(params.buses[i], longest_measurement(params, i) + 1),
-                      .mark_distance = std::max(min_mark_distance, longest_measurement(params, i))});
+                      .longest_measurement = longest_measurement(params, i),
+                      .mark_distance = std::max(AnswerDelay::min_distance, longest_measurement(params, i))});
   }
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
@@ -150,7 +151,7 @@ void Rig::stop() noexcept {
 void Rig::sync(Nanoseconds now) noexcept {
   if (state_ == RigState::off) return;
   now_ns_ = now;
-  const bool last_was_complete = complete() || !std::ranges::all_of(buses_, &Bus::asked);
+  const bool last_was_complete = complete() || std::ranges::any_of(buses_, &Bus::marked);
   bool queued = false;
   for (std::size_t i = 0; i < buses_.size(); ++i) queued = queue_sync(i, now) || queued;
   if (queued) ++counters_.syncs;
@@ -167,23 +168,32 @@ void Rig::sync(Nanoseconds now) noexcept {
 bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   Bus& on = buses_[bus];
   const bool wanted = wants_mark(bus);
-  on.asked = !wanted && ask(bus, now);
-  on.marked = wanted || (!on.asked && !on.bus->is_live());
-  if (on.asked) return true;
+  const bool queued = !wanted && ask(bus, now);
+  on.marked = wanted || (!queued && !on.bus->is_live());
+  if (!on.marked) return queued;
   on.syncs.sync_left_out(now);
   on.last_mark = on.syncs.num_syncs();
-  for_each_delay(bus, [&](AnswerDelay& delay) { delay.left_out(on.last_mark); });
+  for_each_delay(bus, [&](AnswerDelay& delay) { delay.left_out(on.last_mark, now); });
   return false;
 }
 
-// True when a delay on this bus is in doubt and the last mark is long enough ago.
+// True when a delay on this bus is in doubt and the last mark is long enough ago. Distances grow: were they equal, a
+// delay longer than one would show each mark as far from the next. One mark is for all nodes: booting, they are waited
+// for.
 bool Rig::wants_mark(std::size_t bus) noexcept {
   const Bus& on = buses_[bus];
   const std::uint64_t last_sync = on.syncs.num_syncs();
-  if (!on.bus->is_live() || last_sync - on.last_mark < on.mark_distance) return false;
-  bool wanted = false;
-  for_each_delay(bus, [&](const AnswerDelay& delay) { wanted = wanted || delay.wants_mark(last_sync); });
-  return wanted;
+  if (!on.bus->is_live() || !on.protocol.answers_only) return false;
+  bool any_wants = false, all_answer = true;
+  std::uint64_t num_unsettled = 0;
+  for_each_delay(bus, [&](const AnswerDelay& delay) {
+    any_wants = any_wants || delay.wants_mark(last_sync);
+    all_answer = all_answer && delay.answers(last_sync);
+    num_unsettled = std::max(num_unsettled, delay.num_unsettled());
+  });
+  const std::uint64_t more = num_unsettled > 1 ? (num_unsettled - 1) * on.longest_measurement : 0;
+  if (on.last_mark != 0 && last_sync - on.last_mark < on.mark_distance + more) return false;
+  return any_wants && (all_answer || state_ != RigState::booting);
 }
 
 template <class Function>

@@ -81,8 +81,6 @@ class Rig {
   static constexpr int max_frames_per_receive = 512;
   /// Cycles at zero torque in which every drive must say that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
-  /// Periods between two SYNCs that are left out on a bus, at least.
-  static constexpr std::uint64_t min_mark_distance = 16;
 
   /// params: validate(params) is empty. buses: one per params.buses, open, outliving the rig.
   /// Allocates; nothing later does.
@@ -158,10 +156,10 @@ class Rig {
     BusProtocol protocol;
     SyncAttribution syncs;
     int refused_in_a_row = 0;
-    std::uint64_t mark_distance;  // of SYNCs left out, periods at least
-    std::uint64_t last_mark = 0;  // number of the last SYNC left out
-    bool asked = false;           // in this cycle SYNC or a request went out,
-    bool marked = false;          // or was left out on purpose
+    std::uint64_t longest_measurement;                                // of a delay, periods
+    std::uint64_t mark_distance;                                      // of SYNCs left out, periods at least
+    std::uint64_t last_mark = 0;                                      // number of the last SYNC left out
+    bool marked = false;                                              // in this cycle it was
     std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
   };
   struct EncoderOnBus {

@@ -62,10 +62,10 @@ void Rig::check_samples(Nanoseconds now) noexcept {
 }
 
 // Until then the pose is held and the force fades; where the turn would not be known any more that is not waited for.
-// A delay that has shown to be too long has been so since it was known last.
+// A delay that has shown to be too long was so at the first of the marks that have shown it.
 bool Rig::lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
                Nanoseconds now) const noexcept {
-  const Nanoseconds since = delay.beyond_reach() ? std::min(t_good, delay.t_known_ns()) : t_good;
+  const Nanoseconds since = delay.beyond_reach() ? std::min(t_good, delay.t_beyond_ns()) : t_good;
   return now - since > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
          encoder.turn_is_lost(now);
 }
@@ -175,7 +175,7 @@ bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {
 // True also where a delay cannot be measured: in a log, and where positions come without being asked for.
 bool Rig::is_known(const AnswerDelay& delay, const RigNode& node) const noexcept {
   const Bus& on = buses_[node.bus];
-  return !delay.in_doubt() || !on.bus->is_live() || !on.protocol.answers_only;
+  return delay.is_measured() || !on.bus->is_live() || !on.protocol.answers_only;
 }
 
 bool Rig::silent(const RigNode& node, Nanoseconds now) const noexcept {

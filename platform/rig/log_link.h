@@ -50,6 +50,7 @@ class LogLink final : public RigLink {
     bool try_receive(ReceivedFrame& out) noexcept override;
     BusState state() const noexcept override { return BusState::error_active; }
     BusCounters counters() const noexcept override { return counters_; }
+    bool is_live() const noexcept override { return false; }
 
     void add(const ReceivedFrame& frame) { frames_.push_back(frame); }
     void skip_to(Nanoseconds t) noexcept {
