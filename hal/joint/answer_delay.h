@@ -60,11 +60,11 @@ class AnswerDelay {
   bool in_doubt() const noexcept { return in_doubt_; }
   /// True once it has been measured.
   bool is_measured() const noexcept { return is_measured_; }
-  /// True if an answer has come in the last cycle in which one was due: a mark would be seen.
-  bool answers(std::uint64_t last_sync) const noexcept {
-    return distance_ != 0 && last_sync - last_read_ < every_nth_;
+  /// True if a mark now would be seen: the delay is in doubt, and an answer has come in the last cycle in which one was
+  /// due.
+  bool wants_mark(std::uint64_t last_sync) const noexcept {
+    return in_doubt_ && distance_ != 0 && last_sync - last_read_ < every_nth_;
   }
-  bool wants_mark(std::uint64_t last_sync) const noexcept { return in_doubt_ && answers(last_sync); }
   /// Time of the first mark that has shown a delay beyond reach, ns.
   Nanoseconds t_beyond_ns() const noexcept { return t_beyond_ns_; }
   /// Number of marks in a row that have not ended the doubt.

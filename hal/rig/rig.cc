@@ -178,22 +178,19 @@ bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
 }
 
 // True when a delay on this bus is in doubt and the last mark is long enough ago. Distances grow: were they equal, a
-// delay longer than one would show each mark as far from the next. One mark is for all nodes: booting, they are waited
-// for.
+// delay longer than one would show each mark as far from the next.
 bool Rig::wants_mark(std::size_t bus) noexcept {
   const Bus& on = buses_[bus];
   const std::uint64_t last_sync = on.syncs.num_syncs();
   if (!on.bus->is_live() || !on.protocol.answers_only) return false;
-  bool any_wants = false, all_answer = true;
+  bool wanted = false;
   std::uint64_t num_unsettled = 0;
   for_each_delay(bus, [&](const AnswerDelay& delay) {
-    any_wants = any_wants || delay.wants_mark(last_sync);
-    all_answer = all_answer && delay.answers(last_sync);
+    wanted = wanted || delay.wants_mark(last_sync);
     num_unsettled = std::max(num_unsettled, delay.num_unsettled());
   });
   const std::uint64_t more = num_unsettled > 1 ? (num_unsettled - 1) * on.longest_measurement : 0;
-  if (on.last_mark != 0 && last_sync - on.last_mark < on.mark_distance + more) return false;
-  return any_wants && (all_answer || state_ != RigState::booting);
+  return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= on.mark_distance + more);
 }
 
 template <class Function>
