@@ -1,7 +1,7 @@
 // One joint sensor: raw counts and their times in, joint coordinate with validity, time and age out.
 //
 // The room: velocity_estimator.h, slip.h (encoder against drive), sync_attribution.h (which SYNC a frame answers),
-// kinematic_tree.h from joints to handles and back, inverse_kinematics.h.
+// answer_delay.h (how late a node answers), kinematic_tree.h from joints to handles and back, inverse_kinematics.h.
 #pragma once
 
 #include <cstdint>

@@ -46,7 +46,7 @@ class SyncAttribution {
   /// `reach`, that of the first one that is known.
   Nanoseconds end_of(std::uint64_t sync) const noexcept;
 
-  /// Of SYNCs queued and left out.
+  /// Number of SYNCs so far, queued and left out.
   std::uint64_t num_syncs() const noexcept { return num_syncs_; }
 
  private:

@@ -167,10 +167,8 @@ void Rig::sync(Nanoseconds now) noexcept {
 // Returns true when the cycle has begun on this bus. A cycle without SYNC or request is a mark in the answers.
 bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   Bus& on = buses_[bus];
-  const bool wanted = wants_mark(bus);
-  const bool queued = !wanted && ask(bus, now);
-  on.marked = wanted || (!queued && !on.bus->is_live());
-  if (!on.marked) return queued;
+  on.marked = wants_mark(bus);
+  if (!on.marked) return ask(bus, now);
   on.syncs.sync_left_out(now);
   on.last_mark = on.syncs.num_syncs();
   for_each_delay(bus, [&](AnswerDelay& delay) { delay.left_out(on.last_mark, now); });

@@ -112,7 +112,7 @@ class Rig {
   /// SYNC on every bus, or a request to each drive where its protocol has none: the first frames of the cycle.
   /// Positions are measured when it ends. now: in the clock of the buses' receive stamps. A bus that refuses
   /// it has no SYNC in this cycle. Nor has a bus whose answers may be late: the host's heartbeat takes the place of
-  /// the SYNC, and the delay shows by the answer that is missing (hal/joint/answer_delay.h).
+  /// the SYNC, and the missing answer shows the delay (hal/joint/answer_delay.h).
   void sync(Nanoseconds now) noexcept;
   /// Decodes what has arrived so far, up to max_frames_per_receive on each bus; the next call carries on.
   void receive(Nanoseconds now) noexcept;

@@ -8,6 +8,7 @@
 
 #include "platform/rig/run.h"
 #include "tests/support/background_program.h"
+#include "tests/support/fault_reactions.h"
 #include "tests/support/faulty_rig.h"
 #include "tests/support/program.h"
 
@@ -89,6 +90,23 @@ TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
   });
   EXPECT_FALSE(result.is_good());
   EXPECT_NE(result.faults, "");
+  expect_no_torque();
+}
+
+// A terminal stamps what it reads: late answers look like fresh ones. The pause at the beginning of the delay alone is no
+// fault yet.
+TEST_F(RigRunTest, ADelayBeyondStaleAfterIsSampleStale) {
+  std::string text = patient_toml();
+  replace(text, "stale_after = 0.2", "stale_after = 0.05");
+  const std::string scene = write("scene.toml", text);
+  RigRun run(scene, rig(scene));
+  ASSERT_THAT(run.errors(), IsEmpty());
+  int more = 0;
+  const RigRun::Result result = push(run, 200, [&] {
+    if (more == 0) static_cast<void>(far_->say("fault delay bus=can0 value=0.1"));
+    return ++more < 600;
+  });
+  EXPECT_THAT(result.faults, HasSubstr("sample_stale (can0 node")) << result.why_not;
   expect_no_torque();
 }
 
