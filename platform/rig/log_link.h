@@ -19,7 +19,7 @@ struct LogSource {
   std::string interface;  // empty: the one with the name of the bus, or the only one of the log
 };
 
-/// A cycle begins at each SYNC of the log, of a rig without CANopen at the first request, and where there is
+/// A cycle begins at each SYNC of the log, or at the host's heartbeat where SYNC was left out, of a rig without CANopen at the first request, and where there is
 /// none left, a period after the last. Frames of the host that wrote the log are left out, since a host does
 /// not hear itself. Frames before its first cycle are left out too: nodes were set up by them.
 class LogLink final : public RigLink {
@@ -73,6 +73,7 @@ class LogLink final : public RigLink {
   std::string choose(const std::string& path, std::span<const LogSource> sources,
                      const std::vector<std::string>& names, std::vector<std::size_t>& bus_of_name) const;
   void add(std::size_t bus, const ReceivedFrame& frame);
+  void add_cycles_without_sync();
   Nanoseconds wire_time(std::size_t bus, const CanFrame& frame) const noexcept;
   bool begins_cycle(std::size_t bus, const CanFrame& frame) const noexcept;
   bool is_of_host(std::size_t bus, const CanFrame& frame) const noexcept;
@@ -82,7 +83,8 @@ class LogLink final : public RigLink {
   std::vector<std::unique_ptr<LoggedBus>> buses_;
   std::vector<CanBus*> ports_;
   bool has_canopen_ = false;
-  std::vector<Nanoseconds> begins_;  // of cycles, on the bus that had the first
+  std::vector<Nanoseconds> begins_;      // of cycles, on the bus that had the first
+  std::vector<Nanoseconds> heartbeats_;  // of the host that wrote the log, on that bus
   std::size_t first_bus_ = 0, next_begin_ = 0;
   Nanoseconds skipped_ = 0;
   BusObserver observer_;
