@@ -104,8 +104,8 @@ struct ProtocolWatchdog {
 
 /// What the drives of a bus make of it.
 struct BusProtocol {
-  bool canopen = true;  // SYNC, NMT and heartbeats; encoders and buttons can be on it
-  bool fd = false;      // needs a data_bit_rate
+  bool canopen = true;       // SYNC, NMT and heartbeats; encoders and buttons can be on it
+  bool fd = false;           // needs a data_bit_rate
   bool answers_only = true;  // positions come as answers alone; false: their delay is not measured
   std::uint8_t max_node_id = canopen::max_node_id;
   /// Node id 1..127, 0: no node of this protocol.

@@ -66,9 +66,7 @@ class RigTest : public testing::Test {
     receive(canopen::make_heartbeat(2, state), now);
   }
   /// Nodes answer nothing in a cycle without SYNC.
-  bool sync_was_sent() const {
-    return std::ranges::count(bus.sent, canopen::sync_cob_id, &CanFrame::id) > 0;
-  }
+  bool sync_was_sent() const { return std::ranges::count(bus.sent, canopen::sync_cob_id, &CanFrame::id) > 0; }
   void answer_encoder() {
     if (!sync_was_sent()) return;
     receive(cia406::make_position(1, encoder_counts), now + answer_ns);
