@@ -24,6 +24,9 @@ class FixedQueue {
     --size_;
   }
 
+  /// index: 0 is the oldest; below size().
+  T& operator[](std::size_t index) noexcept { return items_[(first_ + index) % N]; }
+
   bool empty() const noexcept { return size_ == 0; }
   std::size_t size() const noexcept { return size_; }
   void clear() noexcept { size_ = 0; }

@@ -78,6 +78,8 @@ class CanBus {
   [[nodiscard]] virtual bool try_receive(ReceivedFrame& out) noexcept = 0;
   virtual BusState state() const noexcept = 0;
   virtual BusCounters counters() const noexcept = 0;
+  /// False for a log: its nodes answered another host, so leaving out a SYNC has no effect.
+  virtual bool is_live() const noexcept { return true; }
 };
 
 }  // namespace godobject

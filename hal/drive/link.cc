@@ -30,6 +30,7 @@ constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
       .error_text = cia402::error_text}},
     {make<OdriveLink>,
      {.canopen = false,
+      .answers_only = false,
       .max_node_id = odrive::max_node_id,
       .sender = odrive::sender,
       .commanded = odrive::commanded,

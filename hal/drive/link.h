@@ -106,8 +106,9 @@ struct ProtocolWatchdog {
 
 /// Properties of a bus that follow from the protocol of its drives.
 struct BusProtocol {
-  bool canopen = true;  // SYNC, NMT and heartbeats; encoders and buttons are possible
-  bool fd = false;      // requires a data_bit_rate
+  bool canopen = true;       // SYNC, NMT and heartbeats; encoders and buttons are possible
+  bool fd = false;           // requires a data_bit_rate
+  bool answers_only = true;  // positions are sent as answers only; false: their delay is not measured
   std::uint8_t max_node_id = canopen::max_node_id;
   /// Returns the sending node, 1..127; 0: no node of this protocol.
   std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;

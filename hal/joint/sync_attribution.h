@@ -1,6 +1,8 @@
 // Attributes a received frame to a SYNC and determines its sampling time. One object per bus.
 #pragma once
 
+#include <vector>
+
 #include "hal/can/timing.h"
 #include "hal/canopen/canopen.h"
 #include "hal/rig/params.h"
@@ -13,14 +15,15 @@ namespace godobject {
 /// Input are only the queue times of SYNCs and the receive stamps, because there is no transmit confirmation.
 ///
 /// Nodes sample at the end of SYNC on the wire. That is at least its queue time plus its duration. A frame
-/// that began earlier therefore answers the previous SYNC. Such a frame also occupied the wire: SYNC followed
+/// that began earlier therefore answers an earlier SYNC. Such a frame also occupied the wire: SYNC followed
 /// it, delayed by at most the longest frame, 135 us at 1 Mbit/s. Any other frame counts as an answer to the
 /// last queued SYNC.
 ///
 /// Late (software) stamps move both estimates later, never past the beginning of the answer; a true answer is
-/// never attributed to the previous SYNC. Stamps cannot show that SYNC waited for a frame of the host itself,
-/// or behind such frames in a controller with a FIFO queue. Answers to the previous SYNC that begin in this
-/// time are attributed to the new one.
+/// never attributed to the previous SYNC. Answers stamped when they are read may be late by periods, see
+/// answer_delay.h. Stamps cannot show that SYNC waited for a frame of the host itself, or behind such frames
+/// in a controller with a FIFO queue. Answers to the previous SYNC that begin in this time are attributed to
+/// the new one.
 class SyncAttribution {
  public:
   struct Answer {
@@ -28,18 +31,37 @@ class SyncAttribution {
     Nanoseconds t_ns = 0;    // end of that SYNC on the wire, which is the sampling time
   };
 
-  explicit SyncAttribution(const BusParams& bus) noexcept;
+  /// reach: greatest delay of answers, in periods. Allocates; nothing later does.
+  explicit SyncAttribution(const BusParams& bus, std::uint64_t reach = 1);
 
   /// Records a queued SYNC. sync: the requesting frame, first of its cycle.
   void sync_queued(Nanoseconds now, const CanFrame& sync = canopen::make_sync()) noexcept;
+  /// Counts a cycle without SYNC: frames from now on came in it, and answer an earlier one.
+  void sync_left_out(Nanoseconds now) noexcept;
   /// Attributes a frame. Call it with every received frame, of any node, in the order of the stamps. FD
   /// frames answer no SYNC if the bus has no data rate. Their stuffing is unknown; their computed beginning
   /// is up to a few us late.
   Answer on_frame(const ReceivedFrame& received) noexcept;
 
+  /// End on the wire of SYNC number `sync`, or of the last one before that was not left out. Of one longer ago than
+  /// `reach`, that of the first one that is known.
+  Nanoseconds end_of(std::uint64_t sync) const noexcept;
+
+  /// Number of SYNCs so far, queued and left out.
   std::uint64_t num_syncs() const noexcept { return num_syncs_; }
 
  private:
+  struct Sync {
+    Nanoseconds earliest_end_ns = 0;  // had the wire been free
+    Nanoseconds end_ns = 0;           // best estimate; of one left out, that of the one before
+    bool left_out = false;
+  };
+
+  Sync& at(std::uint64_t sync) noexcept { return syncs_[sync % syncs_.size()]; }
+  const Sync& at(std::uint64_t sync) const noexcept { return syncs_[sync % syncs_.size()]; }
+  std::uint64_t oldest() const noexcept {
+    return num_syncs_ < syncs_.size() ? 1 : num_syncs_ + 1 - syncs_.size();
+  }
   Nanoseconds wire_time(const CanFrame& frame) const noexcept;
 
   BitRates rates_;
@@ -47,8 +69,7 @@ class SyncAttribution {
   Nanoseconds sync_wire_time_ns_ = 0;
   Nanoseconds intermission_ns_;
   std::uint64_t num_syncs_ = 0;
-  Nanoseconds earliest_end_ns_ = 0;               // end of the last queued SYNC, for a free wire
-  Nanoseconds end_ns_ = 0, previous_end_ns_ = 0;  // ends of the last two SYNCs, best estimate
+  std::vector<Sync> syncs_;  // the last ones; number i is at i modulo its size
 };
 
 }  // namespace godobject

@@ -79,6 +79,15 @@ bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
   return true;
 }
 
+// Returns when the sample in an answer was taken: at the end of the SYNC that it answers by the delay of its node.
+Nanoseconds Rig::sampled_at(const RigNode& node, const AnswerDelay& delay,
+                            const SyncAttribution::Answer& answer) const noexcept {
+  const std::uint64_t late = delay.periods();
+  if (late == 0) return answer.t_ns;
+  const std::uint64_t answered = answer.sync > late ? answer.sync - late : 0;
+  return std::min(answer.t_ns, buses_[node.bus].syncs.end_of(answered));
+}
+
 void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {
   if (answer.sync == 0) return;
   EncoderOnBus& encoder = encoders_[node.device];
@@ -89,9 +98,11 @@ void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttributio
   // a repeated frame is no second measurement: its time differs, which would appear as a jump
   if (answer.sync <= encoder.answered_sync) {
     ++counters_.repeated;
+    encoder.delay.answered_again();
     return;
   }
-  encoder.encoder.update(position_counts, answer.t_ns);
+  encoder.delay.answered(answer.sync, buses_[node.bus].syncs.num_syncs());
+  encoder.encoder.update(position_counts, sampled_at(node, encoder.delay, answer));
   encoder.answered_sync = answer.sync;
 }
 
@@ -100,12 +111,18 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
   if (answer.sync == 0) return;
   DriveOnBus& drive = drives_[node.device];
   const bool answered = answer.sync <= drive.answered_sync;
-  const DriveMessage message = drive.drive.on_frame(frame, answer.t_ns, answered);
+  const DriveMessage message = drive.drive.on_frame(frame, sampled_at(node, drive.delay, answer), answered);
   if (message.result == ParseResult::other_message) return;
   if (message.result != ParseResult::ok) return note_malformed(node, frame, message.result);
   node.answered = node.answered || message.position;
-  if (message.position && answered) ++counters_.repeated;
-  if (message.position && !answered) drive.answered_sync = answer.sync;
+  if (message.position && answered) {
+    ++counters_.repeated;
+    drive.delay.answered_again();
+  } else if (message.position) {
+    drive.answered_sync = answer.sync;
+    if (buses_[node.bus].protocol.answers_only)
+      drive.delay.answered(answer.sync, buses_[node.bus].syncs.num_syncs());
+  }
   if (drives_were_up()) check_drive_error(drive);
   if (node.canopen || !message.alive) return;
   node.heard = true;

@@ -12,6 +12,26 @@ namespace {
 
 constexpr int max_refused_in_a_row = 3;
 
+/// Returns the fewest periods that are not shorter than a time.
+std::uint64_t periods_of(double time_s, double cycle_s) noexcept {
+  constexpr double rounding = 1e-9;
+  return static_cast<std::uint64_t>(std::ceil(time_s / cycle_s * (1 - rounding)));
+}
+
+/// Returns the greatest delay of a node's answers that is measured: a longer one is stale in any case.
+AnswerDelay delay_within(const RigParams& params, std::uint64_t every_nth) noexcept {
+  return {every_nth, periods_of(params.stale_after_s, params.cycle_s) + every_nth - 1};
+}
+
+/// Returns the longest measurement of a delay on a bus, periods.
+std::uint64_t longest_measurement(const RigParams& params, std::size_t bus) noexcept {
+  std::uint64_t longest = delay_within(params, 1).longest();
+  for (const DriveParams& drive : params.drives)
+    if (drive.bus == bus)
+      longest = std::max(longest, delay_within(params, drive.status_every_nth_sync).longest());
+  return longest;
+}
+
 }  // namespace
 
 Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), tree_(params.tree) {
@@ -19,13 +39,16 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
   for (std::size_t i = 0; i < buses.size(); ++i) {
     buses_.push_back({.bus = buses[i],
                       .protocol = bus_protocol(protocol_of_bus(params, i)),
-                      .syncs = SyncAttribution(params.buses[i])});
+                      .syncs = SyncAttribution(params.buses[i], longest_measurement(params, i) + 1),
+                      .longest_measurement = longest_measurement(params, i),
+                      .mark_distance = std::max(AnswerDelay::min_distance, longest_measurement(params, i))});
   }
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
     const std::size_t node = add_node(encoder.bus, encoder.node_id, NodeKind::encoder, encoders_.size());
-    encoders_.push_back(
-        {.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns), .node = node});
+    encoders_.push_back({.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns),
+                         .node = node,
+                         .delay = delay_within(params, 1)});
   }
   for (const DriveParams& drive : params.drives) {
     const std::size_t node = add_node(drive.bus, drive.node_id, NodeKind::drive, drives_.size());
@@ -33,6 +56,7 @@ Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(para
                        .node = node,
                        .joint = joint_named(drive.joint),
                        .every_nth_sync = drive.status_every_nth_sync,
+                       .delay = delay_within(params, drive.status_every_nth_sync),
                        .max_slip = allowed_slip(params, drive)});
   }
   add_buttons();
@@ -127,22 +151,57 @@ void Rig::stop() noexcept {
 void Rig::sync(Nanoseconds now) noexcept {
   if (state_ == RigState::off) return;
   now_ns_ = now;
-  const bool last_was_complete = complete();
+  const bool last_was_complete = complete() || std::ranges::any_of(buses_, &Bus::marked);
   bool queued = false;
   for (std::size_t i = 0; i < buses_.size(); ++i) queued = queue_sync(i, now) || queued;
   if (queued) ++counters_.syncs;
   if (queued && running() && !last_was_complete) ++counters_.incomplete_syncs;
-  if (now >= heartbeat_due_ns_) {
-    heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
-    for (std::size_t i = 0; i < buses_.size(); ++i) {
-      if (!buses_[i].protocol.canopen) continue;
-      send(i, canopen::make_heartbeat(params_.host_node_id, canopen::NmtState::operational));
-    }
+  const bool due = now >= heartbeat_due_ns_;
+  if (due) heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    if (!buses_[i].protocol.canopen || (!due && !buses_[i].marked)) continue;
+    send(i, canopen::make_heartbeat(params_.host_node_id, canopen::NmtState::operational));
   }
 }
 
-// Queues SYNC or the requests. Returns true if the cycle has begun on this bus.
+// Queues SYNC or the requests. Returns true if the cycle has begun on this bus. A cycle without SYNC or request
+// is a mark in the answers.
 bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
+  Bus& on = buses_[bus];
+  on.marked = wants_mark(bus);
+  if (!on.marked) return ask(bus, now);
+  on.syncs.sync_left_out(now);
+  on.last_mark = on.syncs.num_syncs();
+  for_each_delay(bus, [&](AnswerDelay& delay) { delay.left_out(on.last_mark, now); });
+  return false;
+}
+
+// True when a delay on this bus is in doubt and the last mark is long enough ago. Distances grow: were they equal, a
+// delay longer than one would show each mark as far from the next.
+bool Rig::wants_mark(std::size_t bus) noexcept {
+  const Bus& on = buses_[bus];
+  const std::uint64_t last_sync = on.syncs.num_syncs();
+  if (!on.bus->is_live() || !on.protocol.answers_only) return false;
+  bool wanted = false;
+  std::uint64_t num_unsettled = 0;
+  for_each_delay(bus, [&](const AnswerDelay& delay) {
+    wanted = wanted || delay.wants_mark(last_sync);
+    num_unsettled = std::max(num_unsettled, delay.num_unsettled());
+  });
+  const std::uint64_t more = num_unsettled > 1 ? (num_unsettled - 1) * on.longest_measurement : 0;
+  return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= on.mark_distance + more);
+}
+
+template <class Function>
+void Rig::for_each_delay(std::size_t bus, Function&& function) noexcept {
+  for (EncoderOnBus& encoder : encoders_)
+    if (nodes_[encoder.node].bus == bus) function(encoder.delay);
+  for (DriveOnBus& drive : drives_)
+    if (nodes_[drive.node].bus == bus) function(drive.delay);
+}
+
+// SYNC, or the requests; true when any was queued.
+bool Rig::ask(std::size_t bus, Nanoseconds now) noexcept {
   if (buses_[bus].protocol.canopen) {
     const bool queued = send(bus, canopen::make_sync());
     if (queued) buses_[bus].syncs.sync_queued(now);

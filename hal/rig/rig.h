@@ -15,6 +15,7 @@
 #include "core/body/target.h"
 #include "hal/can/bus.h"
 #include "hal/drive/drive.h"
+#include "hal/joint/answer_delay.h"
 #include "hal/joint/encoder.h"
 #include "hal/joint/kinematic_tree.h"
 #include "hal/joint/sync_attribution.h"
@@ -107,7 +108,8 @@ class Rig {
 
   /// Sends the first frames of the cycle: SYNC on every bus, or a request to each drive if its protocol has
   /// no SYNC. Positions are sampled at their end. now: in the clock of the buses' receive stamps, ns. A bus
-  /// that refuses the frame has no SYNC in this cycle.
+  /// that refuses the frame has no SYNC in this cycle. A bus whose answers may be late has none either: the
+  /// host's heartbeat replaces SYNC, and the missing answer shows the delay (hal/joint/answer_delay.h).
   void sync(Nanoseconds now) noexcept;
   /// Decodes received frames, up to max_frames_per_receive per bus; the next call continues.
   void receive(Nanoseconds now) noexcept;
@@ -152,11 +154,16 @@ class Rig {
     BusProtocol protocol;
     SyncAttribution syncs;
     int refused_in_a_row = 0;
+    std::uint64_t longest_measurement;                                // of a delay, periods
+    std::uint64_t mark_distance;                                      // of SYNCs left out, periods at least
+    std::uint64_t last_mark = 0;                                      // number of the last SYNC left out
+    bool marked = false;                                              // in this cycle it was
     std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
   };
   struct EncoderOnBus {
     Encoder encoder;
     std::size_t node;
+    AnswerDelay delay;
     std::uint64_t answered_sync = 0;
     Nanoseconds t_good_ns = 0;  // time of its last valid sample
   };
@@ -165,6 +172,7 @@ class Rig {
     std::size_t node;
     Eigen::Index joint;
     std::uint64_t every_nth_sync;
+    AnswerDelay delay;
     std::uint64_t answered_sync = 0;
     bool request_refused = false;  // in this cycle
     double max_slip = 0;           // rad or m; 0: not compared with an encoder
@@ -189,6 +197,10 @@ class Rig {
   Eigen::Index joint_named(const std::string& name) const;
 
   bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
+  bool ask(std::size_t bus, Nanoseconds now) noexcept;
+  bool wants_mark(std::size_t bus) noexcept;
+  template <class Function>
+  void for_each_delay(std::size_t bus, Function&& function) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
   void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept {
@@ -207,6 +219,8 @@ class Rig {
   bool from_second_host(std::size_t bus, const CanFrame& frame) noexcept;
   void on_heartbeat(RigNode& node, const CanFrame& frame, Nanoseconds now) noexcept;
   void on_emergency(RigNode& node, const CanFrame& frame) noexcept;
+  Nanoseconds sampled_at(const RigNode& node, const AnswerDelay& delay,
+                         const SyncAttribution::Answer& answer) const noexcept;
   void on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept;
   void on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer,
                 Nanoseconds now) noexcept;
@@ -217,7 +231,8 @@ class Rig {
   void check_buses() noexcept;
   void check_nodes(Nanoseconds now) noexcept;
   void check_samples(Nanoseconds now) noexcept;
-  bool lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept;
+  bool lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
+            Nanoseconds now) const noexcept;
   bool measured_anew(std::size_t joint, const JointSample& sample) noexcept;
   void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
   void check_drives() noexcept;
@@ -227,6 +242,7 @@ class Rig {
   void wait_for_drives(Nanoseconds now) noexcept;
   bool boot_is_over(Nanoseconds now) const noexcept;
   bool booted(const RigNode& node, Nanoseconds now) const noexcept;
+  bool is_known(const AnswerDelay& delay, const RigNode& node) const noexcept;
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
   bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
   /// Returns the state in which the first fault was raised; without a fault, the present state. Devices that

@@ -43,27 +43,30 @@ void Rig::check_nodes(Nanoseconds now) noexcept {
 void Rig::check_samples(Nanoseconds now) noexcept {
   for (EncoderOnBus& encoder : encoders_) {
     if (!encoder.encoder.stale(now)) encoder.t_good_ns = now;
-    if (lost(encoder.encoder, encoder.t_good_ns, now)) raise(RigFault::sample_stale, nodes_[encoder.node]);
+    if (lost(encoder.encoder, encoder.delay, encoder.t_good_ns, now))
+      raise(RigFault::sample_stale, nodes_[encoder.node]);
     if (!encoder.encoder.trusted()) raise(RigFault::sample_implausible, nodes_[encoder.node]);
   }
   for (DriveOnBus& drive : drives_) {
     check_slip(drive, now);
     const Encoder& position = drive.drive.position();
     if (!drive.drive.silent(now) && !position.stale(now)) drive.t_good_ns = now;
-    if (drive.drive.silent(now) && lost(position, drive.t_good_ns, now))
+    if (drive.drive.silent(now) && lost(position, drive.delay, drive.t_good_ns, now))
       raise(RigFault::drive_silent, nodes_[drive.node]);
     const bool is_sensor = sensors_[static_cast<std::size_t>(drive.joint)] == &position;
     if (!is_sensor) continue;
-    if (position.stale(now) && lost(position, drive.t_good_ns, now))
+    if (position.stale(now) && lost(position, drive.delay, drive.t_good_ns, now))
       raise(RigFault::sample_stale, nodes_[drive.node]);
     if (!position.trusted()) raise(RigFault::sample_implausible, nodes_[drive.node]);
   }
 }
 
 // True if a sample is missing for too long; until then the pose is held and the force fades. Returns true at
-// once if the turn would become unknown.
-bool Rig::lost(const Encoder& encoder, Nanoseconds t_good, Nanoseconds now) const noexcept {
-  return now - t_good > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
+// once if the turn would become unknown. A delay that proved too long was so from its first mark.
+bool Rig::lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
+               Nanoseconds now) const noexcept {
+  const Nanoseconds since = delay.beyond_reach() ? std::min(t_good, delay.t_beyond_ns()) : t_good;
+  return now - since > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
          encoder.turn_is_lost(now);
 }
 
@@ -160,10 +163,19 @@ bool Rig::boot_is_over(Nanoseconds now) const noexcept {
 
 bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {
   if (!node.operational() || silent(node, now)) return false;
-  if (node.kind == NodeKind::drive) return !drives_[node.device].drive.silent(now);
   if (node.kind == NodeKind::button) return buttons_[node.device].heard;
-  const Encoder& encoder = encoders_[node.device].encoder;
-  return !encoder.stale(now) && encoder.trusted();
+  if (node.kind == NodeKind::drive) {
+    const DriveOnBus& drive = drives_[node.device];
+    return !drive.drive.silent(now) && is_known(drive.delay, node);
+  }
+  const EncoderOnBus& at = encoders_[node.device];
+  return !at.encoder.stale(now) && at.encoder.trusted() && is_known(at.delay, node);
+}
+
+// True also where a delay cannot be measured: in a log, and where positions come without being asked for.
+bool Rig::is_known(const AnswerDelay& delay, const RigNode& node) const noexcept {
+  const Bus& on = buses_[node.bus];
+  return delay.is_measured() || !on.bus->is_live() || !on.protocol.answers_only;
 }
 
 bool Rig::silent(const RigNode& node, Nanoseconds now) const noexcept {

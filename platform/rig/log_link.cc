@@ -30,6 +30,7 @@ std::string LogLink::read(std::span<const LogSource> sources) {
     if (std::ranges::find(paths, source.path) == paths.end()) paths.push_back(source.path);
   for (const std::string& path : paths)
     if (std::string why_not = read_file(path, sources); !why_not.empty()) return why_not;
+  add_cycles_without_sync();
   const auto first = std::ranges::min_element(buses_, {}, [](const auto& bus) { return bus->next(); });
   if ((*first)->next() == end_of_time)
     return paths.front() +
@@ -100,6 +101,17 @@ void LogLink::add(std::size_t bus, const ReceivedFrame& frame) {
       begins_.push_back(began);
   } else if (!is_of_host(bus, frame.frame)) {
     buses_[bus]->add(frame);
+  } else if (frame.frame.id == canopen::heartbeat_cob_id(rig_.host_node_id) && bus == first_bus_) {
+    heartbeats_.push_back(frame.t_ns - wire_time(bus, frame.frame));
+  }
+}
+
+/// Adds the cycles in which the host has left SYNC out: its heartbeat then stands alone between two SYNCs.
+void LogLink::add_cycles_without_sync() {
+  for (const Nanoseconds began : heartbeats_) {
+    const auto next = std::ranges::upper_bound(begins_, began);
+    if (next == begins_.begin() || next == begins_.end()) continue;
+    if (began - *(next - 1) > period_ / 2 && *next - began > period_ / 2) begins_.insert(next, began);
   }
 }
 

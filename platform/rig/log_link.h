@@ -19,8 +19,8 @@ struct LogSource {
   std::string interface;  // empty: the interface named as the bus, or the only one of the log
 };
 
-/// Replays logs as a RigLink. A cycle begins at each SYNC of the log; for a rig without CANopen at the first
-/// request. After the last one, cycles follow at the period.
+/// Replays logs as a RigLink. A cycle begins at each SYNC of the log, or at the host's heartbeat if SYNC was left
+/// out; for a rig without CANopen at the first request. After the last one, cycles follow at the period.
 /// Frames of the host that wrote the log are left out, because a host does not receive its own frames. Frames
 /// before its first cycle are left out too, because they configured the nodes.
 class LogLink final : public RigLink {
@@ -51,6 +51,7 @@ class LogLink final : public RigLink {
     bool try_receive(ReceivedFrame& out) noexcept override;
     BusState state() const noexcept override { return BusState::error_active; }
     BusCounters counters() const noexcept override { return counters_; }
+    bool is_live() const noexcept override { return false; }
 
     void add(const ReceivedFrame& frame) { frames_.push_back(frame); }
     void skip_to(Nanoseconds t) noexcept {
@@ -73,6 +74,7 @@ class LogLink final : public RigLink {
   std::string choose(const std::string& path, std::span<const LogSource> sources,
                      const std::vector<std::string>& names, std::vector<std::size_t>& bus_of_name) const;
   void add(std::size_t bus, const ReceivedFrame& frame);
+  void add_cycles_without_sync();
   Nanoseconds wire_time(std::size_t bus, const CanFrame& frame) const noexcept;
   bool begins_cycle(std::size_t bus, const CanFrame& frame) const noexcept;
   bool is_of_host(std::size_t bus, const CanFrame& frame) const noexcept;
@@ -82,7 +84,8 @@ class LogLink final : public RigLink {
   std::vector<std::unique_ptr<LoggedBus>> buses_;
   std::vector<CanBus*> ports_;
   bool has_canopen_ = false;
-  std::vector<Nanoseconds> begins_;  // of cycles, on the bus that had the first
+  std::vector<Nanoseconds> begins_;      // of cycles, on the bus that had the first
+  std::vector<Nanoseconds> heartbeats_;  // of the host that wrote the log, on that bus
   std::size_t first_bus_ = 0, next_begin_ = 0;
   Nanoseconds skipped_ = 0;
   BusObserver observer_;

@@ -61,6 +61,9 @@ class SimCanPort final : public CanBus {
   void set_loss_probability(double probability) noexcept { loss_probability_ = probability; }
   /// Sets the delay until a frame can be read, ns; its time stamp remains the end on the wire.
   void set_receive_delay(Nanoseconds delay_ns) noexcept { receive_delay_ns_ = delay_ns; }
+  /// The controller has one buffer for each PDO of CANopen, as nodes have: a newer frame takes the place of one with its
+  /// identifier that has not begun to leave.
+  void set_pdo_buffers() noexcept { has_pdo_buffers_ = true; }
   void set_faults(const PortFaults& faults) noexcept { faults_ = faults; }
   /// Returns the number of frames lost by set_loss_probability and PortFaults::drop.
   std::uint64_t lost() const noexcept { return lost_; }
@@ -79,11 +82,13 @@ class SimCanPort final : public CanBus {
 
   bool takes_part() const noexcept { return open_ && !errors_.is_bus_off(); }
   SendResult queue(const CanFrame& frame) noexcept;
+  bool replace(const CanFrame& frame) noexcept;
 
   SimCanWire& wire_;
   std::size_t index_;  // index of this node on the wire; max_nodes: no place was free
   bool open_ = false;
   bool connected_ = true;
+  bool has_pdo_buffers_ = false;
   FixedQueue<CanFrame, transmit_capacity> transmit_queue_;
   FixedQueue<Arrival, receive_capacity> receive_queue_;
   FaultConfinement errors_;

@@ -43,10 +43,26 @@ SendResult SimCanPort::queue(const CanFrame& frame) noexcept {
     ++lost_;
     return SendResult::queued;  // the sender is not informed
   }
+  if (replace(frame)) return SendResult::queued;
   if (!transmit_queue_.push(frame)) return SendResult::full;
   wire_.note_queue(*this);
   if (wire_.random_.chance(faults_.duplicate)) static_cast<void>(transmit_queue_.push(frame));
   return SendResult::queued;
+}
+
+bool SimCanPort::replace(const CanFrame& frame) noexcept {
+  constexpr std::uint32_t first_pdo = 0x180, end_pdo = 0x580;
+  if (!has_pdo_buffers_ || frame.extended || frame.id < first_pdo || frame.id >= end_pdo) return false;
+  const auto& segment = wire_.segments_[wire_.segment_of(*this)];
+  const bool front_is_leaving =
+      segment.phase != SimCanWire::Phase::idle && (segment.senders >> index_ & 1u) != 0;
+  for (std::size_t i = front_is_leaving ? 1 : 0; i < transmit_queue_.size(); ++i) {
+    CanFrame& waiting = transmit_queue_[i];
+    if (waiting.extended || waiting.id != frame.id) continue;
+    waiting = frame;
+    return true;
+  }
+  return false;
 }
 
 bool SimCanPort::try_receive(ReceivedFrame& out) noexcept {

@@ -21,7 +21,7 @@ constexpr std::array promises{
     FaultPromise{"drop", {lost_sample, lost_drive, lost_heartbeat}, watchdog},
     FaultPromise{"duplicate", {}, keep},
     FaultPromise{"delay value=0.1*stale_after", {}, keep},
-    FaultPromise{"delay value=3*stale_after", {lost_sample, lost_drive}, run_down},
+    FaultPromise{"delay value=3*stale_after", {lost_sample, lost_drive, may_part}, run_down},
     FaultPromise{"corrupt value=0.02", {}, keep},
     FaultPromise{"corrupt ENCODER value=1", {lost_sample, lost_heartbeat}, run_down},
     FaultPromise{"stuck ENCODER", {{{sensors_disagree, travel}}}, run_down},

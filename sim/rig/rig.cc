@@ -183,6 +183,7 @@ SimCanPort& SimRig::add_port(std::size_t bus) {
   Bus& b = *buses_[bus];
   b.ports.push_back(std::make_unique<SimCanPort>(b.wire));
   static_cast<void>(b.ports.back()->open());
+  b.ports.back()->set_pdo_buffers();
   return *b.ports.back();
 }
 

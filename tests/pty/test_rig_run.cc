@@ -8,6 +8,7 @@
 
 #include "platform/rig/run.h"
 #include "tests/support/background_program.h"
+#include "tests/support/fault_reactions.h"
 #include "tests/support/faulty_rig.h"
 #include "tests/support/program.h"
 
@@ -89,6 +90,30 @@ TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
   });
   EXPECT_FALSE(result.is_good());
   EXPECT_NE(result.faults, "");
+  expect_no_torque();
+}
+
+// A terminal stamps what it reads: late answers look like fresh ones. The pause at the beginning of the delay alone is no
+// fault yet.
+TEST_F(RigRunTest, ADelayBeyondStaleAfterIsSampleStale) {
+  std::string text = patient_toml();
+  replace(text, "stale_after = 0.2", "stale_after = 0.05");
+  for (std::size_t at = 0; (at = text.find("joint_per_motor_rad", at)) != std::string::npos; at += 40)
+    text.insert(at, "max_slip = 0.0\n");  // else the drives may show it first
+  const std::string scene = write("scene.toml", text);
+  RigRun::Result result;
+  constexpr int attempts = 4;  // a machine that is busy may leave the drives without a command for 20 ms
+  for (int i = 0; i < attempts && result.faults.find("sample_stale (can0 node") == std::string::npos; ++i) {
+    RigRun run(scene, rig(scene));
+    ASSERT_THAT(run.errors(), IsEmpty());
+    int more = 0;
+    result = push(run, 200, [&] {
+      if (more == 0) static_cast<void>(far_->say("fault delay bus=can0 value=0.1"));
+      return ++more < 600;
+    });
+    EXPECT_NE(result.faults, "");
+  }
+  EXPECT_THAT(result.faults, HasSubstr("sample_stale (can0 node")) << result.why_not;
   expect_no_torque();
 }
 

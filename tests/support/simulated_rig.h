@@ -150,6 +150,7 @@ class SimulatedRig {
   SimCanPort& open_port(SimCanWire& wire) {
     SimCanPort& port = ports.emplace_back(wire);
     static_cast<void>(port.open());
+    port.set_pdo_buffers();
     return port;
   }
 

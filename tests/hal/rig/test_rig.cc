@@ -65,8 +65,14 @@ class RigTest : public testing::Test {
     receive(canopen::make_heartbeat(1, state), now);
     receive(canopen::make_heartbeat(2, state), now);
   }
-  void answer_encoder() { receive(cia406::make_position(1, encoder_counts), now + answer_ns); }
+  /// Nodes answer nothing in a cycle without SYNC.
+  bool sync_was_sent() const { return std::ranges::count(bus.sent, canopen::sync_cob_id, &CanFrame::id) > 0; }
+  void answer_encoder() {
+    if (!sync_was_sent()) return;
+    receive(cia406::make_position(1, encoder_counts), now + answer_ns);
+  }
   void answer_drive() {
+    if (!sync_was_sent()) return;
     const unsigned statusword =
         cia402::encode_state(drive_state) | (drive_follows ? cia402::status_follows_command : 0u);
     receive(cia402::make_status(
