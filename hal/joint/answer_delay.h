@@ -10,22 +10,25 @@ namespace godobject {
 
 /// Measures the delay of a stream of answers by a mark in it: a SYNC that the host leaves out.
 ///
-/// Answers look alike, so a receive stamp cannot tell the answer to this SYNC from a late one to an earlier SYNC. The
-/// node does not answer a SYNC that was left out. The number of cycles from that SYNC to the cycle in which an answer
-/// is missing is the delay in periods. A missing answer that no mark explains puts the delay in doubt: the frame was
-/// lost, or the delay has grown. An answer too many puts a delay in doubt that may have shrunk.
+/// Answers look alike, so a receive stamp cannot separate the answer to this SYNC from a late one to an
+/// earlier SYNC. The node does not answer a SYNC that was left out. The number of cycles from that SYNC to
+/// the cycle in which an answer is missing is the delay in periods. A missing answer that no mark explains
+/// puts the delay in doubt: the frame was lost, or the delay has grown. A surplus answer does so, too: the
+/// delay may have shrunk.
 ///
-/// Two marks in a row must agree before a delay is believed, three of one beyond reach, because a lost frame near a mark looks like the mark. The
-/// mark itself then is a missing answer without explanation, which leads to the next measurement. Two answers in one
-/// cycle are jitter, and can fill the cycle of a mark: near them no longer delay is believed.
+/// A lost frame near a mark looks like the mark. So a delay is accepted if two marks in a row agree, and one
+/// beyond reach after three. The mark itself is then a missing answer without explanation, which leads to the
+/// next measurement. Two answers in one cycle are jitter and can fill the cycle of a mark: near them no
+/// longer delay is accepted.
 class AnswerDelay {
  public:
   /// SYNCs between two marks, at least; for so long two answers in one cycle count as jitter.
   static constexpr std::uint64_t min_distance = 16;
-  /// Marks in a row that must not be seen within reach before a delay beyond it is believed.
+  /// Marks in a row that must not be seen within reach before a delay beyond it is accepted.
   static constexpr int needed_beyond = 3;
 
-  /// every_nth: the node answers every so many SYNCs, or more of them. reach: greatest delay that is measured, periods.
+  /// every_nth: the node answers at least every so many SYNCs. reach: greatest delay that is measured,
+  /// periods.
   AnswerDelay(std::uint64_t every_nth, std::uint64_t reach) noexcept : every_nth_(every_nth), reach_(reach) {}
 
   /// sync: number of the SYNC that is left out at time `now`, ns.
@@ -34,8 +37,8 @@ class AnswerDelay {
     t_mark_ns_ = now;
   }
 
-  /// Takes an answer. sync: number of the last SYNC, also of one left out, before the answer began; greater than that
-  /// of the answer before. last_sync: number of the last SYNC now.
+  /// Records an answer. sync: number of the last SYNC, also of one left out, before the answer began; greater
+  /// than that of the previous answer. last_sync: number of the last SYNC now.
   void answered(std::uint64_t sync, std::uint64_t last_sync) noexcept {
     if (distance_ != 0) compare(sync, last_ + distance_);
     if (last_ != 0) {
@@ -47,34 +50,34 @@ class AnswerDelay {
     last_read_ = last_sync;
   }
 
-  /// Takes a further answer in the same cycle.
+  /// Records a further answer in the same cycle.
   void answered_again() noexcept {
     jittered_ = last_;
     in_doubt_ = in_doubt_ || periods_ > 0;
   }
 
-  /// Delay that is believed, periods; reach + 1: more than reach.
+  /// Accepted delay, periods; reach + 1: more than reach.
   std::uint64_t periods() const noexcept { return periods_; }
   bool beyond_reach() const noexcept { return periods_ > reach_; }
   /// True until a mark has shown the delay, and after any answer that has changed it or was lost.
   bool in_doubt() const noexcept { return in_doubt_; }
   /// True once it has been measured.
   bool is_measured() const noexcept { return is_measured_; }
-  /// True if a mark now would be seen: the delay is in doubt, and an answer has come in the last cycle in which one was
-  /// due.
+  /// True if the delay is in doubt and a mark now would be seen. The latter holds if the last due answer
+  /// came.
   bool wants_mark(std::uint64_t last_sync) const noexcept {
     return in_doubt_ && distance_ != 0 && last_sync - last_read_ < every_nth_;
   }
   /// Time of the first mark that has shown a delay beyond reach, ns.
   Nanoseconds t_beyond_ns() const noexcept { return t_beyond_ns_; }
   /// Number of marks in a row that have not ended the doubt.
-  std::uint64_t num_unsettled() const noexcept { return num_unsettled_; }
+  std::uint64_t num_inconclusive() const noexcept { return num_inconclusive_; }
   /// Periods from a mark to the end of its measurement, at most.
   std::uint64_t longest() const noexcept { return reach_ + every_nth_ + 1; }
 
  private:
-  // Answers to every n-th SYNC are a period later after a mark: one cycle is missing. The cycle so many before `due`
-  // had its answer.
+  // Compares an answer with the cycle in which it was due. After a mark, answers to every n-th SYNC are a
+  // period later: one cycle is missing.
   void compare(std::uint64_t sync, std::uint64_t due) noexcept {
     std::uint64_t missing = sync > due ? sync - due : 0;
     const bool is_marked = mark_ != 0 && sync > mark_;
@@ -93,33 +96,33 @@ class AnswerDelay {
   void measured(std::uint64_t periods) noexcept {
     if (is_jittered() && periods > periods_) {
       is_measured_ = true;
-      return settle(periods_, false);
+      return conclude(periods_, false);
     }
     const std::uint64_t shorter = std::min(periods, measured_), longer = std::max(periods, measured_);
     const bool agrees = longer <= reach_ && longer - shorter < every_nth_;
     if (agrees || (longer <= reach_ && beyond_reach())) periods_ = shorter;
-    settle(periods, agrees);
+    conclude(periods, agrees);
   }
 
   void not_seen() noexcept {
-    if (is_jittered()) return settle(measured_, false);
+    if (is_jittered()) return conclude(measured_, false);
     const std::uint64_t beyond = reach_ + 1;
     if (measured_ != beyond) {
       t_beyond_ns_ = t_mark_ns_;
       num_beyond_ = 0;
     }
     if (++num_beyond_ >= needed_beyond) periods_ = beyond;
-    settle(beyond, false);
+    conclude(beyond, false);
   }
 
   bool is_jittered() const noexcept { return jittered_ != 0 && jittered_ + min_distance > mark_; }
 
-  void settle(std::uint64_t periods, bool is_settled) noexcept {
+  void conclude(std::uint64_t periods, bool is_conclusive) noexcept {
     measured_ = periods;
     mark_ = 0;
-    in_doubt_ = !is_settled;
-    is_measured_ = is_measured_ || is_settled;
-    num_unsettled_ = is_settled ? 0 : num_unsettled_ + 1;
+    in_doubt_ = !is_conclusive;
+    is_measured_ = is_measured_ || is_conclusive;
+    num_inconclusive_ = is_conclusive ? 0 : num_inconclusive_ + 1;
   }
 
   std::uint64_t every_nth_, reach_;
@@ -131,7 +134,7 @@ class AnswerDelay {
   std::uint64_t measured_ = 0, periods_ = 0;
   bool in_doubt_ = true, is_measured_ = false;
   std::uint64_t jittered_ = 0;  // number of the last SYNC in whose cycle two answers came; 0: none
-  std::uint64_t num_unsettled_ = 0;
+  std::uint64_t num_inconclusive_ = 0;
   int num_beyond_ = 0;  // marks in a row that were not seen within reach
   Nanoseconds t_mark_ns_ = 0, t_beyond_ns_ = 0;
 };

@@ -43,8 +43,8 @@ class SyncAttribution {
   /// is up to a few us late.
   Answer on_frame(const ReceivedFrame& received) noexcept;
 
-  /// End on the wire of SYNC number `sync`, or of the last one before that was not left out. Of one longer ago than
-  /// `reach`, that of the first one that is known.
+  /// Returns the end on the wire of SYNC number `sync`, ns. If it was left out, that of the one before; if it
+  /// is longer ago than `reach`, that of the first one kept.
   Nanoseconds end_of(std::uint64_t sync) const noexcept;
 
   /// Number of SYNCs so far, queued and left out.

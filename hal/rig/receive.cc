@@ -79,7 +79,7 @@ bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
   return true;
 }
 
-// Returns when the sample in an answer was taken: at the end of the SYNC that it answers by the delay of its node.
+// Returns the sampling time of an answer: the end of the SYNC that it answers, given the delay of its node.
 Nanoseconds Rig::sampled_at(const RigNode& node, const AnswerDelay& delay,
                             const SyncAttribution::Answer& answer) const noexcept {
   const std::uint64_t late = delay.periods();

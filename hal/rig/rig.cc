@@ -164,8 +164,8 @@ void Rig::sync(Nanoseconds now) noexcept {
   }
 }
 
-// Queues SYNC or the requests. Returns true if the cycle has begun on this bus. A cycle without SYNC or request
-// is a mark in the answers.
+// Queues SYNC or the requests. Returns true if the cycle has begun on this bus. A cycle without SYNC or
+// request is a mark in the answers.
 bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   Bus& on = buses_[bus];
   on.marked = wants_mark(bus);
@@ -176,19 +176,19 @@ bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   return false;
 }
 
-// True when a delay on this bus is in doubt and the last mark is long enough ago. Distances grow: were they equal, a
-// delay longer than one would show each mark as far from the next.
+// True if a delay on this bus is in doubt and the last mark is long enough ago. Distances grow, because with
+// equal ones a delay longer than a distance would look like a short one each time.
 bool Rig::wants_mark(std::size_t bus) noexcept {
   const Bus& on = buses_[bus];
   const std::uint64_t last_sync = on.syncs.num_syncs();
   if (!on.bus->is_live() || !on.protocol.answers_only) return false;
   bool wanted = false;
-  std::uint64_t num_unsettled = 0;
+  std::uint64_t num_inconclusive = 0;
   for_each_delay(bus, [&](const AnswerDelay& delay) {
     wanted = wanted || delay.wants_mark(last_sync);
-    num_unsettled = std::max(num_unsettled, delay.num_unsettled());
+    num_inconclusive = std::max(num_inconclusive, delay.num_inconclusive());
   });
-  const std::uint64_t more = num_unsettled > 1 ? (num_unsettled - 1) * on.longest_measurement : 0;
+  const std::uint64_t more = num_inconclusive > 1 ? (num_inconclusive - 1) * on.longest_measurement : 0;
   return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= on.mark_distance + more);
 }
 

@@ -108,8 +108,9 @@ class Rig {
 
   /// Sends the first frames of the cycle: SYNC on every bus, or a request to each drive if its protocol has
   /// no SYNC. Positions are sampled at their end. now: in the clock of the buses' receive stamps, ns. A bus
-  /// that refuses the frame has no SYNC in this cycle. A bus whose answers may be late has none either: the
-  /// host's heartbeat replaces SYNC, and the missing answer shows the delay (hal/joint/answer_delay.h).
+  /// that refuses the frame has no SYNC in this cycle. A bus whose answers may be late has none
+  /// either. The host's heartbeat replaces it, and the missing answer shows the delay
+  /// (hal/joint/answer_delay.h).
   void sync(Nanoseconds now) noexcept;
   /// Decodes received frames, up to max_frames_per_receive per bus; the next call continues.
   void receive(Nanoseconds now) noexcept;

@@ -49,7 +49,7 @@ DeviceSample RigDevice::exchange(Period& period, bool starting) noexcept {
   period.began = link_->begin_cycle(period.t);
   period.has_begun = true;
   if (starting) rig_->start(period.began);
-  rig_->receive(period.began);  // before SYNC: a line stamps what it reads
+  rig_->receive(period.began);  // before SYNC: a serial line stamps frames when it reads them
   rig_->sync(period.began);
   period.now = period.began;
   const Nanoseconds deadline = period.began + gather_ns_;

@@ -19,10 +19,10 @@ struct LogSource {
   std::string interface;  // empty: the interface named as the bus, or the only one of the log
 };
 
-/// Replays logs as a RigLink. A cycle begins at each SYNC of the log, or at the host's heartbeat if SYNC was left
-/// out; for a rig without CANopen at the first request. After the last one, cycles follow at the period.
-/// Frames of the host that wrote the log are left out, because a host does not receive its own frames. Frames
-/// before its first cycle are left out too, because they configured the nodes.
+/// Replays logs as a RigLink. A cycle begins at each SYNC of the log, or at the host's heartbeat if SYNC was
+/// left out. For a rig without CANopen it begins at the first request. After the last one, cycles follow at
+/// the period. Frames of the host that wrote the log are left out, because a host does not receive its own
+/// frames. Frames before its first cycle are left out too, because they configured the nodes.
 class LogLink final : public RigLink {
  public:
   /// period: duration of a cycle without a SYNC, ns.

@@ -61,8 +61,8 @@ class SimCanPort final : public CanBus {
   void set_loss_probability(double probability) noexcept { loss_probability_ = probability; }
   /// Sets the delay until a frame can be read, ns; its time stamp remains the end on the wire.
   void set_receive_delay(Nanoseconds delay_ns) noexcept { receive_delay_ns_ = delay_ns; }
-  /// The controller has one buffer for each PDO of CANopen, as nodes have: a newer frame takes the place of one with its
-  /// identifier that has not begun to leave.
+  /// Gives the controller one buffer for each PDO of CANopen, as nodes have. A newer frame replaces a waiting
+  /// one with its identifier.
   void set_pdo_buffers() noexcept { has_pdo_buffers_ = true; }
   void set_faults(const PortFaults& faults) noexcept { faults_ = faults; }
   /// Returns the number of frames lost by set_loss_probability and PortFaults::drop.

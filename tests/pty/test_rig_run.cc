@@ -93,8 +93,8 @@ TEST_F(RigRunTest, AFaultOfTheRigEndsItAndIsNamed) {
   expect_no_torque();
 }
 
-// A terminal stamps what it reads: late answers look like fresh ones. The pause at the beginning of the delay alone is no
-// fault yet.
+// A terminal stamps frames when it reads them, so late answers look like fresh ones. The pause at the
+// beginning of the delay alone is no fault.
 TEST_F(RigRunTest, ADelayBeyondStaleAfterIsSampleStale) {
   std::string text = patient_toml();
   replace(text, "stale_after = 0.2", "stale_after = 0.05");

@@ -1,4 +1,4 @@
-// A stream of answers with a delay, as receive stamps show it: the number of the last SYNC before each answer.
+// Streams of answers with a delay, as seen by receive stamps: the number of the last SYNC before each answer.
 #include "hal/joint/answer_delay.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Answers that reach the host late and are stamped when they arrive, as from an adapter on a serial line: their samples
-// are as old as they are, and stale where that is too old.
+// Answers that reach the host late and are stamped on arrival, as from an adapter on a serial line. Their
+// samples have their true age, and are stale beyond the limit.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -16,7 +16,8 @@ using test::SimulatedRig;
 constexpr double speed = 2;  // rad/s, of every joint
 constexpr double cycle_s = 1e-3;
 
-/// The host's end of a bus: what has arrived `delay_ns` and a jitter ago can be read, in order, with that time as stamp.
+/// Host's end of a bus. A frame can be read `delay_ns` and a jitter after its arrival, in order, stamped
+/// then.
 class LateBus final : public CanBus {
  public:
   LateBus(CanBus& bus, const Nanoseconds& now) : bus_(bus), now_(now) {}
@@ -74,7 +75,8 @@ class LateArm {
 
   bool boot() { return device.boot() && device.rig->arm(); }
   void delay_ms(std::size_t bus, double ms) { buses[bus].delay_ns = std::llround(1e6 * ms); }
-  /// Cycles in which samples count; the furthest that one is from where its joint was when it is said to be measured.
+  /// Returns the number of cycles with valid samples. `furthest` keeps the largest error of each sample
+  /// against its joint at the sampling time.
   int cycles(int count) {
     int valid = 0;
     for (int i = 0; i < count; ++i) {
@@ -88,7 +90,7 @@ class LateArm {
     }
     return valid;
   }
-  /// Encoders whose samples are of the time that is said, to `error` rad.
+  /// Returns the number of encoders whose samples match their sampling time to `error` rad.
   auto num_right(double error) const {
     return std::ranges::count_if(furthest, [error](double off) { return off < error; });
   }
@@ -213,7 +215,7 @@ TEST(LateAnswers, JitterBelowAPeriodIsNoDelay) {
   }
 }
 
-// The host sleeps, and reads what came meanwhile when it wakes.
+// The host sleeps, and reads the frames of that time when it wakes.
 TEST(LateAnswers, HostThatWakesLateIsNoDelay) {
   LateArm arm(12e-3);
   ASSERT_TRUE(arm.boot()) << arm.fault_text();
