@@ -346,7 +346,9 @@ NodeEvidence Rig::evidence_of(const RigNode& node) const noexcept {
                    .answered = node.answered,
                    .malformed = node.malformed,
                    .last_malformed = node.last_malformed};
+  if (node.kind == NodeKind::encoder) out.delay_unknown = !is_known(encoders_[node.device].delay, node);
   if (node.kind != NodeKind::drive) return out;
+  out.delay_unknown = !is_known(drives_[node.device].delay, node);
   const DriveTelemetry& drive = drives_[node.device].drive.telemetry();
   out.own_state = drive.own_state;
   out.error_code = drive.error_code;
