@@ -103,7 +103,7 @@ void LogLink::add(std::size_t bus, const ReceivedFrame& frame) {
       begins_.push_back(began);
   } else if (!is_of_host(bus, frame.frame)) {
     buses_[bus]->add(frame);
-  } else if (canopen::Nmt nmt; canopen::parse_nmt(frame.frame, nmt) == canopen::ParseResult::ok) {
+  } else if (canopen::Nmt nmt; canopen::parse_nmt(frame.frame, nmt) == ParseResult::ok) {
     note_nmt(nmt.command, frame.t_ns);
   } else if (frame.frame.id == canopen::heartbeat_cob_id(rig_.host_node_id) && bus == first_bus_) {
     heartbeats_.push_back(frame.t_ns - wire_time(bus, frame.frame));
