@@ -145,7 +145,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
                                     x.bodies[i].device.ramp, w.coupling_inputs[i], par.h);
   }
 
-  // motion: (10), (11), by one or two stages (12), (13)
+  // motion, by one or two stages (12), (13) of (10), (11)
   if (!any(out.fault)) {
     if constexpr (iterates_joints<S>) w.iteration.subdivides = false;
     out.limited |= S::Integrator::advance(par, x, w);

@@ -46,8 +46,8 @@ struct NearFour {
   Pack live() const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j < size ? 1 : 0; });
   }
-  /// Returns 1 where the normal points off the surface that body a touches, -1 where it points off the body,
-  /// 0 in unused lanes.
+  /// Returns 1 where the normal points away from the surface that body a touches, -1 where it points away
+  /// from body a, 0 in unused lanes.
   Pack sides(std::uint32_t a) const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real {
       return j >= size ? 0 : of[j]->a == a ? 1 : -1;
@@ -55,7 +55,7 @@ struct NearFour {
   }
 };
 
-/// Returns four laws, number by number.
+/// Packs the members of four laws, each by of(member).
 template <class F>
 StageLawOf<Pack> each_number(F of) noexcept {
   using Law = StageLawOf<Real>;
@@ -76,8 +76,9 @@ inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noex
       [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
 }
 
-/// Returns the laws of near contacts. law_of(contact): its law. common_law: the most frequent law, `law` in
-/// the stage; others are stage_law(law). Contacts in unused lanes carry no force.
+/// Returns the laws of near contacts in the stage. law_of(contact): its law. common_law: the most frequent
+/// law, already converted for the stage to `law`; stage_law() converts any other. Contacts in unused lanes
+/// carry no force.
 template <class LawOf, class OfStage>
 StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, const StageLawOf<Real>& law,
                          LawOf law_of, OfStage stage_law) noexcept {
@@ -93,8 +94,8 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, con
 }
 
 /// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one.
-/// penetration_jumps: set if some depth is unexplained (35). Returns the energy that their springs start with
-/// (38), J.
+/// penetration_jumps: set if some depth is unexplained (35). Returns the initial energy of the contact
+/// springs (38), J.
 template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,
@@ -127,7 +128,7 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   return c.found;
 }
 
-/// Stores the memory of four contacts at the end of the stage, of active or deep ones.
+/// Stores the contact memory at the end of the stage for those of four contacts that are active or deep.
 template <std::size_t max_contacts>
 GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
                                   const InitialMemoryPack& initial, const ContactPack& pack,
@@ -150,7 +151,7 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h
   }
 }
 
-/// Appends the active contacts of four to the forces.
+/// Appends the forces of those of four contacts that are active.
 template <std::size_t max_contacts>
 void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack,
                  ContactForces<max_contacts>& forces) noexcept {

@@ -70,8 +70,8 @@ struct ContactReport {
   std::size_t num_near = 0;      // near contacts
   Real deepest = 0;              // depth of the deepest sphere, m
   // of the step's worst stage
-  int newton_iterations = 0;  // Newton iterations over the contact modes, of the island with most
-  int iterations = 0;         // iterations of conjugate gradients in all of them
+  int newton_iterations = 0;  // Newton iterations over the contact modes, largest of any island
+  int iterations = 0;         // conjugate gradient iterations in all of these Newton iterations
   int num_without_room = 0;   // islands with too few blocks, solved by conjugate gradients
   Real residual = 0;          // largest deviation of a contact force from (22), (23), N
   Real residual_share = 0;    // residual as a share of the largest normal force of its island
@@ -81,7 +81,8 @@ struct ContactReport {
       0;  // energy of contact springs at the start of stages in excess of that at the end of the previous
           // ones, J
 
-  /// Combines the report with `before`, that of the previous stages, for quantities of the worst stage.
+  /// Combines the report with `before`, that of the previous stages: takes the maximum of each worst-stage
+  /// quantity.
   void cover(const ContactReport& before) noexcept {
     newton_iterations = std::max(newton_iterations, before.newton_iterations);
     iterations = std::max(iterations, before.iterations);

@@ -43,7 +43,7 @@ struct TreeJoints {
   };
   using Input = typename Prescribed::Input;
   struct Output {
-    Wrench F_C;  // of the joint on the child at its anchor, world axes, mean over the step
+    Wrench F_C;  // wrench of the joint on the child about its anchor, world axes, mean over the step
   };
 };
 
@@ -99,8 +99,8 @@ TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
 /// Body of the tree during a stage; default: the world. Undefined between steps, except the joint's wrench.
 struct TreeNode {
   TreePlace at;          // place at the predicted end of the stage
-  ArticulatedBody body;  // at the anchor of its joint
-  Column d;              // from the parent's anchor to the body's
+  ArticulatedBody body;  // articulated inertia and bias at the anchor of its joint
+  Column d;              // vector from the parent's anchor to the body's
   SpatialVector beta;    // (5)
   std::array<EliminatedAxis, 2> axis;
   SpatialVector V;  // solution

@@ -18,7 +18,7 @@ namespace godobject {
 /// Two unknowns that a term couples, by A_ij; A_ji is its transpose.
 struct BlockEntry {
   std::uint32_t i = 0, j = 0;  // unknowns
-  std::uint32_t slot = 0;      // of the system's blocks, or no_slot
+  std::uint32_t slot = 0;      // index of the system's block, or no_slot
   SpatialMatrix A;             // value, if the factor is incomplete
 };
 inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
@@ -27,18 +27,17 @@ inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
 struct BlockJoint {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   bool is_free = true;              // true if it has no parent
-  std::uint32_t parent = on_world;  // unknown
+  std::uint32_t parent = on_world;  // unknown number of the parent
   int num_axes = 0;
-  Column d;                         // from the parent to this one
-  std::array<SpatialVector, 3> s;   // at this one
+  Column d;                         // vector from the parent to this unknown
+  std::array<SpatialVector, 3> s;   // axes S, at this unknown
   std::array<Real, 3> D_inverse{};  // pivots of the coordinates, once factored
 
   bool has_parent() const noexcept { return !is_free && parent != on_world; }
 };
 
-/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. Of the unknowns the
-/// first max_bodies are bodies, the others nodes. always_keeps: loaded values are kept for any kind of
-/// solution.
+/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. The first max_bodies
+/// unknowns are bodies, the others nodes. always_keeps: loaded values are kept, also with a complete factor.
 template <std::size_t max_bodies_, std::size_t max_nodes_, std::size_t max_entries_, std::size_t room_,
           bool jointed_, bool always_keeps_ = false>
 struct BlockSystem {
@@ -66,7 +65,7 @@ struct BlockSystem {
   std::array<Pivot, max_unknowns> pivots;
   std::array<std::uint32_t, max_unknowns + 1> first;
   std::array<std::uint32_t, room> row;
-  std::array<bool, room> is_fill;  // zero but for elimination
+  std::array<bool, room> is_fill;  // true if the block is zero before elimination
   std::array<SpatialMatrix, room> Z;
   // false if blocks without room are left out; conjugate gradients then need A and entries as loaded
   bool is_complete = true;
