@@ -105,8 +105,8 @@ inline constexpr Real sunk_depth = 0.5;
 /// into each other cannot move with it, and solves that stop early may not return it. Without a bound, cases
 /// gain energy. test_few_blocks.cc, bodies/test_stability.cc.
 inline constexpr Real max_relaxation = 30;
-/// Stages. Between bodies, the rest penetration is below the depth by at most this many stages of relaxation,
-/// so that none accumulates. Against the world there is no such bound. bodies/test_overlap.cc.
+/// Maximum lag of the rest penetration below the depth between bodies, in stages of relaxation, so that it
+/// does not accumulate. Against the world there is no such bound. bodies/test_overlap.cc.
 inline constexpr Real max_pushed_steps = 3;
 
 // Capacities, fixed for all scenes.
@@ -241,8 +241,8 @@ inline constexpr Real max_rise = 100;
 /// Share of the energy of net springs below which gains are ignored. Their iteration and contact forces end
 /// at a tolerance, so a pressed net moves back and forth by it. tests/core/net/test_stability.cc.
 inline constexpr Real net_gain_floor = 1e-3;
-/// Steps for which a loss or gain must last to count. A step too long for a collision or a snapping joint
-/// errs to either side, and the next ones correct it.
+/// Steps for which a loss or gain must last to count. With a step too long for a collision or a snapping
+/// joint, energy errs to either side, and the next steps correct it.
 inline constexpr std::size_t gain_steps = 8;
 /// Longest time over which gains are remembered, s. At least half of it is remembered.
 inline constexpr Real gain_window = 1;

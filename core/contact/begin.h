@@ -8,7 +8,7 @@ namespace godobject {
 
 /// Returns the law of contacts in a stage of length h.
 /// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s.
-/// on_world: e may be below the depth without bound.
+/// on_world: the contact is with the world; its e may then be below the depth by any amount.
 template <class Contacts>
 StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
                            bool on_world) noexcept {
@@ -109,8 +109,8 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   const ContactPastOf<Pack> by_step = past_by(of_step);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
-  // extrapolated approach to the start of the stage counts as measured; unnoticed approach within a stage
-  // does not
+  // approach during the extrapolation to the start of the stage explains depth (35); approach within a stage
+  // that was not predicted does not
   const Pack approach = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .approach = approach};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
@@ -128,7 +128,7 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   return c.found;
 }
 
-/// Stores the contact memory at the end of the stage for those of four contacts that are active or deep.
+/// Stores the contact memory at the end of the stage for the active or deep contacts of a group of four.
 template <std::size_t max_contacts>
 GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
                                   const InitialMemoryPack& initial, const ContactPack& pack,
@@ -151,7 +151,7 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h
   }
 }
 
-/// Appends the forces of those of four contacts that are active.
+/// Appends the forces of the active contacts of a group of four.
 template <std::size_t max_contacts>
 void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack,
                  ContactForces<max_contacts>& forces) noexcept {

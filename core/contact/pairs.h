@@ -131,7 +131,7 @@ struct BodyContactScratch {
   [[no_unique_address]] typename Contacts::TermStages terms;
   System system;  // system of the current island
   SystemVectors<typename OfNet::Coupled>
-      x;  // V: velocities of all bodies; V_0: predicted ones, then those of the previous iteration
+      x;  // V: velocities of all bodies; V_0: predicted velocities, then those of the previous iteration
   [[no_unique_address]] typename OfNet::type net;            // nodes of nets
   [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;

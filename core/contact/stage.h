@@ -178,7 +178,7 @@ void predict(ContactPack& c, const Velocity& V) noexcept {
 
 /// Sums over the contacts of a body or a pair, for its A and b.
 struct ContactSums {
-  // of W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T):  W;  [r]x W;  -[r]x W [r]x
+  // sums of W, [r]x W and -[r]x W [r]x, with W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T)
   Pack vv[6] = {0, 0, 0, 0, 0, 0}, wv[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, ww[6] = {0, 0, 0, 0, 0, 0};
   Vector3<Pack> b_w = Vector3<Pack>::Constant(Pack(0)), b_v = Vector3<Pack>::Constant(Pack(0));
 };

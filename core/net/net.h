@@ -112,12 +112,12 @@ struct NetParams {
 
 /// Report of a step on its nets.
 struct NetReport {
-  // of the step's worst stage
+  // values of the step's worst stage
   int iterations = 0;         // conjugate gradient iterations
   int newton_iterations = 0;  // Newton iterations over the contact modes
   Real residual = 0;          // largest unbalanced force on a node, N
   bool is_stopped = false;    // true if the iteration was cut off before its tolerance
-  // of its last stage
+  // values of the step's last stage
   bool majorised = false;        // true if springs were majorised (47)
   std::size_t num_contacts = 0;  // active contacts of nodes
   std::size_t num_near = 0;      // near contacts of nodes
@@ -141,7 +141,7 @@ struct MassSpringNet {
   using Output = NetReport;
 };
 
-/// Number of a node among those of the nets, as distinct from numbers of bodies.
+/// Number of a node of a net. A type of its own, because bodies have numbers, too.
 struct NetNodeNumber {
   std::uint32_t n = 0;
 };

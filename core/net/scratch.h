@@ -75,7 +75,7 @@ struct NetStage {
   static constexpr std::uint32_t no_body = ~std::uint32_t(0);
   std::uint32_t first_body = no_body;  // any body of its island
 
-  // by node, at the predicted end of the stage
+  // indexed by node, at the predicted end of the stage
   std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
   std::array<Column, max_nodes> v_free;   // velocities by gravity alone
   Column by_gravity;                      // velocity added in the stage, m/s
@@ -87,7 +87,7 @@ struct NetStage {
   std::array<Column, max_nodes> b;  // impulses except those of contacts
 
   const typename Net::Params* par = nullptr;
-  // by slot: effective masses of springs, and impulses with the ends at rest
+  // indexed by slot: effective masses of springs, and impulses with the ends at rest
   std::array<SlotMass, Net::max_springs> masses;
   std::array<Vector3<Pack>, Net::max_springs> J_springs;
   std::array<SymmetricSpatialMatrix, N>

@@ -50,17 +50,17 @@ struct BlockSystem {
   using Vector = std::array<SpatialVector, max_unknowns>;
   using Set = BitSet<max_unknowns>;
 
-  // unknowns of the system, by place in the order of adding, until they are numbered in elimination order
+  // unknowns in the order of adding, indexed by place; then numbered in elimination order
   std::uint32_t size = 0;
   std::array<std::uint32_t, max_unknowns> unknown, number_of;
   std::uint32_t num_entries = 0;
   std::array<BlockEntry, max_entries> entries;
-  // by unknown
+  // indexed by unknown
   Vector b;
   [[no_unique_address]] std::conditional_t<jointed, std::array<BlockJoint, max_unknowns>, Absent<14>> joints;
 
-  // by number, A_kk and the blocks A_ik of each column by rising rows: first as loaded, then L D L^T, (31),
-  // Z_i
+  // indexed by elimination number: A_kk, and the blocks A_ik of each column, rows ascending. They hold the
+  // loaded values, then the factors L D L^T and Z_i (31)
   std::array<SymmetricSpatialMatrix, max_unknowns> A_kk;
   std::array<Pivot, max_unknowns> pivots;
   std::array<std::uint32_t, max_unknowns + 1> first;
@@ -72,7 +72,7 @@ struct BlockSystem {
   std::array<SymmetricSpatialMatrix, max_unknowns> A;
   std::array<SpatialVector, max_unknowns> root_diagonal;
 
-  // of the numbering, by place
+  // storage for the numbering, indexed by place
   std::array<Set, max_unknowns> neighbours;
   std::array<std::uint32_t, max_unknowns> degree, order;
   [[no_unique_address]] std::conditional_t<jointed, std::array<std::uint32_t, max_unknowns>, Absent<15>>

@@ -79,12 +79,12 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
                          : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
 }
 
-/// Edges of a box parallel to one of its axes, on the side to which n points: two of the four. The two are
-/// opposite along one cross axis and have the same coordinate along the other. Cross axes 1 and 2 are the
-/// next axis of the box and the one after it. Lane j: edges that cross axis j of b.
+/// Edges of a box parallel to one of its axes that n points to: two of the four. They differ in one of the
+/// box's other two axes, 1 or 2, and share the coordinate along the other. Lane j: edges that cross axis j of
+/// b.
 struct EdgesToSide {
-  PackMask first;  // true if the two edges are opposite along cross axis 1; otherwise along cross axis 2
-  Pack h;          // half extent along the cross axis on which the edges are opposite
+  PackMask first;            // true if the edges differ in axis 1; otherwise in axis 2
+  Pack h;                    // half extent along the axis in which the edges differ
   Pack coordinate_on_other;  // coordinate of both edges along the other axis
   Pack less;                 // depth of the edge on the positive side minus that of the other
 

@@ -1,5 +1,5 @@
-// Sweep of shapes that move farther in a stage than their size: contacts are those of the first touch on the
-// way.
+// Sweep of shapes that move farther in a stage than their size. Their contacts are at the first touch along
+// the path.
 //
 // At the predicted end of a stage, a fast sphere may be past the middle of a solid or behind the edge that it
 // crossed. The nearest face there is not the one of entry and would let it pass.
