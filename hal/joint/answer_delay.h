@@ -75,8 +75,7 @@ class AnswerDelay {
   std::uint64_t longest() const noexcept { return reach_ + every_nth_ + 1; }
 
  private:
-  // Compares an answer with the cycle in which it was due. After a mark, answers to every n-th SYNC are a
-  // period later: one cycle is missing.
+  // Compares an answer with the SYNC to which it was due. A mark explains one missing cycle after it.
   void compare(std::uint64_t sync, std::uint64_t due) noexcept {
     std::uint64_t missing = sync > due ? sync - due : 0;
     const bool is_marked = mark_ != 0 && sync > mark_;
