@@ -118,7 +118,7 @@ struct JointsInStage {
   [[no_unique_address]] Coordinates q;  // coordinates at the start of the stage, turns counted
   bool is_stiff = false;   // true if a stop or joint force may have reversed a motion within the last stage
   bool stop_acts = false;  // true if a coordinate was within a stop in the last stage
-  bool stop_changes = false;  // true if a coordinate entered or left a stop, or its width, in the last stage
+  bool stop_changes = false;  // true if a coordinate changed its branch of a stop (19) in the last stage
 };
 
 /// Nodes of the bodies, then of the world.

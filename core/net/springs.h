@@ -115,7 +115,8 @@ void begin_slot(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pac
                 const Vector3<Pack>& x_dot, Real h, SlotMass& K, Vector3<Pack>& J) noexcept {
   const Pack l_sq = x.squaredNorm(), l = sqrt(l_sq), h_k = k * h, h_g = g * h;
   const PackMask has_length = Pack(0) < l;
-  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is evaluated
+  // 1 / l without the root, so that both are computed at once
+  const Pack r = l / select(has_length, l_sq, Pack(1));
   const Pack u_x = x[0] * r, u_y = x[1] * r, u_z = select(has_length, x[2] * r, Pack(1));
   const Pack a = as == Springs::majorised
                      ? h_k * h
