@@ -90,8 +90,8 @@ class LogLink final : public RigLink {
   std::vector<std::unique_ptr<LoggedBus>> buses_;
   std::vector<CanBus*> ports_;
   bool has_canopen_ = false;
-  std::vector<Nanoseconds> begins_;      // of cycles, on the bus that had the first
-  std::vector<Nanoseconds> heartbeats_;  // of the host that wrote the log, on that bus
+  std::vector<Nanoseconds> begins_;      // starts of cycles, on the bus of the first one
+  std::vector<Nanoseconds> heartbeats_;  // heartbeats of the host that wrote the log, on that bus
   std::size_t first_bus_ = 0, next_begin_ = 0;
   Nanoseconds skipped_ = 0;
   BusObserver observer_;
