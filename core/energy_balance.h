@@ -101,7 +101,7 @@ class EnergyBalance {
     bool pulls = false;  // true if it has a coupling
     Pose X_WB;
     Target target;
-    Real s = 0;  // s of the ramp
+    Real s = 0;  // ramp of the coupling at the end of the step, 0 to 1
   };
 
   static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
@@ -202,7 +202,7 @@ class EnergyBalance {
     const auto& joint = par.bodies[i].joint;
     if (joint.kind == JointKind::free || !joint.motion.prescribed) return 0;
     const TreePlace P = place_of(par, x, joint.parent), C = place_of(par, x, i);
-    const Wrench& F = x.bodies[i].joint.F_C;  // of the last stage
+    const Wrench& F = x.bodies[i].joint.F_C;  // wrench of the last stage
     const Vec3 v = C.V.v - P.V.v - P.V.w.cross(C.a_W - P.a_W);
     const Real power = F.f.dot(v) + F.tau.dot(C.V.w - P.V.w),
                before = std::exchange(prescribed_power_[i], power);

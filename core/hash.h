@@ -56,7 +56,7 @@ class Hash {
     if constexpr (std::is_base_of_v<JointStops::State, J>) add(static_cast<const JointStops::State&>(x));
   }
   void add(const JointStops::State& x) noexcept {
-    // the rest of a coordinate follows from the poses
+    // the part within a turn follows from the poses
     const Real first = whole_turns(x.q[0]), second = whole_turns(x.q[1]);
     if (first == 0 && second == 0) return;
     add(first, second);

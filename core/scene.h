@@ -40,7 +40,7 @@ struct None {
   using Input = Empty;
   using Output = Empty;
   using BodyOutput = Empty;
-  static constexpr std::size_t max = 0;  // of nodes
+  static constexpr std::size_t max = 0;  // largest number of nodes
   static constexpr std::size_t max_contacts = 0;
   static constexpr bool between_bodies = false;
 };

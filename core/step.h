@@ -61,8 +61,8 @@ Wrench feedback(const BodyParams<S>& par, const CouplingInput& input, const Body
   return S::Feedback::wrench(ramped(par.feedback.gains, input.ramp.s), body.x, input.to, error.phi_B);
 }
 
-/// Moves feedback of links without a motor to their parents (9), from the leaves up. Links of the device are
-/// where the targets are.
+/// Moves feedback of links without a motor to their parents (9), from the leaves up. The origin of a device
+/// link is at its target.
 template <class S>
 void move_to_driven(const Params<S>& par, Scratch<S>& w) noexcept {
   for (std::size_t i = num_bodies(par); i-- > 0;) {
@@ -145,7 +145,7 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
                                     x.bodies[i].device.ramp, w.coupling_inputs[i], par.h);
   }
 
-  // motion: (10), (11), by one or two stages (12), (13)
+  // motion, by one or two stages (12), (13) of (10), (11)
   if (!any(out.fault)) {
     if constexpr (iterates_joints<S>) w.iteration.subdivides = false;
     out.limited |= S::Integrator::advance(par, x, w);

@@ -15,30 +15,30 @@ namespace godobject {
 // Rotation of a body in a stage (core/body, core/math/rotation_error.h) and the second-order scheme
 // (core/integrator_tr_bdf2.h).
 
-/// rad, of h |w| sqrt(I_max / I_min). Above it, a stage scales Newton's gyroscopic term down, because the
-/// full term could do work (proof: docs/theory/stage.md). Undamped motion and unknown accelerations are of
-/// second order up to it. tests/core/test_stability.cc.
+/// Limit of h |w| sqrt(I_max / I_min), rad. Above it, a stage scales Newton's gyroscopic term down, because
+/// the full term could do work (proof: docs/theory/stage.md). Undamped motion and unknown accelerations are
+/// of second order up to it. tests/core/test_stability.cc.
 inline constexpr Real max_swing = 0.5;
-/// rad, of h^2 |w'|. Steps with a larger initial change of rotation are taken as implicit Euler stages. As
-/// max_swing, without a sweep of its own.
+/// Limit of h^2 |w'|, rad. Steps with a larger initial change of rotation are taken as implicit Euler stages.
+/// As max_swing, without a sweep of its own.
 inline constexpr Real max_swing_change = 0.5;
 /// Half-turn band, of |cos(alpha / 2)|: nearer to the half turn, an attitude error keeps its side (16). 0.1
 /// rad exceeds the tremor of a tracked hand. A kept side holds at most 6 % more energy than the shorter one
 /// (docs/theory/stage.md). No sweep.
 inline constexpr Real half_turn_band = 0.05;
 
-/// rad. A step in which a body or its angular velocity turns farther is taken as implicit Euler stages,
-/// because linear extrapolation fails. tests/core/test_stability.cc; docs/decisions/045.
+/// Rotation of a body in a step, and of its angular velocity, rad, above which implicit Euler stages are
+/// taken, because linear extrapolation fails. tests/core/test_stability.cc; docs/decisions/045.
 inline constexpr Real max_extrapolated_turn = 0.25;
 
-/// rad, as max_extrapolated_turn, in scenes with nets, whose nodes are extrapolated with the body.
+/// As max_extrapolated_turn, rad, in scenes with nets, whose nodes are extrapolated with the body.
 /// tests/core/net/test_stability.cc.
 inline constexpr Real max_carrier_turn = 0.1;
 
 // Joints at the predicted end of a stage (core/joint).
 
-/// rad. If a stage rotates a body by more, joints and contacts are evaluated at the start of the stage
-/// instead of its predicted end. tests/core/joint, spins to 10 000 rad/s.
+/// Limit of a body's rotation in a stage, rad. Above it, joints and contacts are evaluated at the start of
+/// the stage instead of its predicted end. tests/core/joint, spins to 10 000 rad/s.
 inline constexpr Real max_predicted_turn = 0.5;
 /// Joint violation per lever length above which a stage is iterated (39). This and the next four:
 /// tests/core/joint/test_heavy_ends.cc; docs/decisions/035.
@@ -48,14 +48,14 @@ inline constexpr int max_joint_iterations = 8, substep_ratio = 4, max_substeps =
 /// Limit of substeps in scenes with nets, whose iterations are cut off earlier.
 /// tests/core/net/test_attached_sweep.cc; docs/decisions/055.
 inline constexpr int max_substeps_with_nets = 64;
-/// rad, largest rotation in an iteration.
+/// Largest rotation in an iteration, rad.
 inline constexpr Real max_iterated_turn = 3;
 /// Iterations of a stage above which TR-BDF2 discards its acceleration.
 inline constexpr int max_iterations_with_acceleration = 1;
-/// rad, and share of the lever. If a joint is farther apart at the start of a step, its stages are solved
-/// once, without iterations.
+/// Joint violation at the start of a step above which its stages are solved once, without iterations. In rad
+/// for rotations, as a share of the lever for translations.
 inline constexpr Real max_apart = 1e-4;
-/// rad, largest rotation by which a joint is corrected in one stage. tests/core/joint, joints pulled apart.
+/// Largest rotation by which a joint is corrected in one stage, rad. tests/core/joint, joints pulled apart.
 inline constexpr Real max_turned_back = 0.15;
 /// Largest correction of a joint in one stage, as a share of the distance from the centre of mass to the
 /// anchor. The same tests.
@@ -105,14 +105,14 @@ inline constexpr Real sunk_depth = 0.5;
 /// into each other cannot move with it, and solves that stop early may not return it. Without a bound, cases
 /// gain energy. test_few_blocks.cc, bodies/test_stability.cc.
 inline constexpr Real max_relaxation = 30;
-/// Stages. Between bodies, the rest penetration is below the depth by at most this many stages of relaxation,
-/// so that none accumulates. Against the world there is no such bound. bodies/test_overlap.cc.
+/// Maximum lag of the rest penetration below the depth between bodies, in stages of relaxation, so that it
+/// does not accumulate. Against the world there is no such bound. bodies/test_overlap.cc.
 inline constexpr Real max_pushed_steps = 3;
 
 // Capacities, fixed for all scenes.
 
-/// Blocks beside the diagonal per body or node, unless the scene sets a number: those of the bricks of S4 in
-/// a heap. Further blocks are left to iteration (28). docs/decisions/022; with a tenth of it:
+/// Blocks beside the diagonal per body or node, unless the scene sets a number. Enough for the heap of bricks
+/// of scene S4. Further blocks are left to iteration (28). docs/decisions/022; with a tenth of it:
 /// test_few_blocks.cc.
 inline constexpr std::size_t blocks_per_body = 8;
 /// Pairs of a carrier's nodes with another body, per body; further pairs are left to the iteration. A net is
@@ -150,7 +150,7 @@ struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
   static constexpr Real min_friction_change = 0;
-  // to the end: position errors of the reference `press` grow above this
+  // no wider: position errors of the reference scene `press` increase above this tolerance
   // (tests/core/contact/test_reference.cc)
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
   static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
@@ -197,7 +197,7 @@ inline constexpr Real max_given_back = 0.05;
 
 // Conjugate gradients (28), for systems with too few blocks. test_few_blocks.cc.
 
-/// m/s, tolerance of all velocities at the end of the iterations.
+/// Tolerance of all velocities at the end of the iterations, m/s.
 inline constexpr Real velocity_tolerance = 1e-3;
 /// Limits of iterations of conjugate gradients in a Newton iteration: few before friction has converged.
 inline constexpr int max_cg_iterations_searching = 3, max_cg_iterations = 8;
@@ -218,10 +218,10 @@ inline constexpr Real least_deforming = 1e-12;
 /// Steps without a valid sample that are bridged, for a late answer or an outlier. The target continues its
 /// motion.
 inline constexpr int bridged_steps = 3;
-/// s after a longer gap. The feedback stays constant for the first time (or the ramp, if longer) and grows
-/// during the second. The softest of the swept couplings catches up in it.
+/// Times after a longer gap, s. The feedback stays constant for the first one (or the ramp, if longer) and
+/// grows during the second. The softest of the swept couplings catches up in it.
 inline constexpr Real quiet_after_gap = 0.25, growth_after_gap = 0.25;
-/// s. A gripped body stays gripped over shorter gaps, because the ramp corrects its motion in that time.
+/// Longest gap over which a gripped body stays gripped, s: the ramp corrects its motion in that time.
 inline constexpr Real max_gap_with_grip = 0.1;
 /// After a bridged gap the feedback may not grow for this multiple of the gap. Meanwhile the bridge's error
 /// decays in the coupling, to 3 %.
@@ -233,7 +233,7 @@ inline constexpr Real recovery_per_gap = 30;
 /// Allowed gain within the window, as a share of the energy at work. Smaller gains are errors of second
 /// order.
 inline constexpr Real gain_allowed = 0.01;
-/// J, below perception of a hand, and rounding as a share of E: smaller gains are ignored.
+/// Smaller gains are ignored: J, below perception of a hand; share of E, rounding.
 inline constexpr Real gain_floor = 1e-12, gain_rounding = 1e-12;
 /// Multiple of the available energy (58). A step that ends with more kinetic energy is a failed solve. Far
 /// above the errors of any order, far below those of a division by zero. tests/core/test_energy_rise.cc.
@@ -241,10 +241,10 @@ inline constexpr Real max_rise = 100;
 /// Share of the energy of net springs below which gains are ignored. Their iteration and contact forces end
 /// at a tolerance, so a pressed net moves back and forth by it. tests/core/net/test_stability.cc.
 inline constexpr Real net_gain_floor = 1e-3;
-/// Steps for which a loss or gain must last to count. A step too long for a collision or a snapping joint
-/// errs to either side, and the next ones correct it.
+/// Steps for which a loss or gain must last to count. With a step too long for a collision or a snapping
+/// joint, energy errs to either side, and the next steps correct it.
 inline constexpr std::size_t gain_steps = 8;
-/// s, at most: older gains are forgotten. At least half of it is remembered.
+/// Longest time over which gains are remembered, s. At least half of it is remembered.
 inline constexpr Real gain_window = 1;
 
 // Rounding tolerances in checks of parameters and inputs, and in geometry. Far above the rounding of a
@@ -258,7 +258,7 @@ inline constexpr Real rotation_tolerance = 1e-9, symmetry_tolerance = 1e-9;
 inline constexpr Real anisotropy_share = 0.999;
 /// Two axes count as opposite if 1 + z . u is less.
 inline constexpr Real opposite_axes = 1e-12;
-/// m. Shorter vectors have no direction, because their squares leave the range of normal numbers.
+/// Length below which a vector has no direction, m, because its square leaves the range of normal numbers.
 inline constexpr Real min_length = 1e-150;
 /// Share of a triangle's size: nearer to it, the direction from its nearest point is rounding error.
 inline constexpr Real touching_triangle = 1e-12;

@@ -69,7 +69,7 @@ struct Validity {
   static constexpr std::size_t none = ~std::size_t{0};
   Invalid rule = Invalid::nothing;
   std::size_t index =
-      none;  // of the body, or with contact_sphere and contact_surface of that; none: the rule has no element
+      none;  // index of the body, or of the sphere or surface that the rule is about; none: no element
 
   // NOLINTNEXTLINE(google-explicit-constructor)
   constexpr Validity(Invalid broken = Invalid::nothing, std::size_t at = none) noexcept

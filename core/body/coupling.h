@@ -26,7 +26,7 @@ struct DampedSpring {
   template <class T>
   struct StateOf {
     Vector3<T> phi_B =
-        Vector3<T>::Zero();  // attitude error of the last step, by which it keeps its side near the half turn
+        Vector3<T>::Zero();  // attitude error of the last step; selects the side near the half turn (16)
   };
   using State = StateOf<Real>;
 };

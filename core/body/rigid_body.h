@@ -21,7 +21,7 @@ using RigidBodyParams = RigidBodyParamsOf<Real>;
 template <class T>
 struct RigidBodyStateOf {
   PoseOf<T> X_WB;
-  Vector3<T> v_W = Vector3<T>::Zero();  // of the centre of mass, m/s
+  Vector3<T> v_W = Vector3<T>::Zero();  // velocity of the centre of mass, m/s
   Vector3<T> w_B = Vector3<T>::Zero();  // angular velocity in body axes, rad/s
 };
 using RigidBodyState = RigidBodyStateOf<Real>;

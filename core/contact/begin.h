@@ -8,7 +8,7 @@ namespace godobject {
 
 /// Returns the law of contacts in a stage of length h.
 /// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s.
-/// on_world: e may be below the depth without bound.
+/// on_world: the contact is with the world; its e may then be below the depth by any amount.
 template <class Contacts>
 StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
                            bool on_world) noexcept {
@@ -46,8 +46,8 @@ struct NearFour {
   Pack live() const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real { return j < size ? 1 : 0; });
   }
-  /// Returns 1 where the normal points off the surface that body a touches, -1 where it points off the body,
-  /// 0 in unused lanes.
+  /// Returns 1 where the normal points away from the surface that body a touches, -1 where it points away
+  /// from body a, 0 in unused lanes.
   Pack sides(std::uint32_t a) const noexcept {
     return gathered(lanes_of_four, [&](std::size_t j) -> Real {
       return j >= size ? 0 : of[j]->a == a ? 1 : -1;
@@ -55,7 +55,7 @@ struct NearFour {
   }
 };
 
-/// Returns four laws, number by number.
+/// Packs the members of four laws, each by of(member).
 template <class F>
 StageLawOf<Pack> each_number(F of) noexcept {
   using Law = StageLawOf<Real>;
@@ -76,8 +76,9 @@ inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noex
       [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
 }
 
-/// Returns the laws of near contacts. law_of(contact): its law. common_law: the most frequent law, `law` in
-/// the stage; others are stage_law(law). Contacts in unused lanes carry no force.
+/// Returns the laws of near contacts in the stage. law_of(contact): its law. common_law: the most frequent
+/// law, already converted for the stage to `law`; stage_law() converts any other. Contacts in unused lanes
+/// carry no force.
 template <class LawOf, class OfStage>
 StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, const StageLawOf<Real>& law,
                          LawOf law_of, OfStage stage_law) noexcept {
@@ -93,8 +94,8 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, con
 }
 
 /// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one.
-/// penetration_jumps: set if some depth is unexplained (35). Returns the energy that their springs start with
-/// (38), J.
+/// penetration_jumps: set if some depth is unexplained (35). Returns the initial energy of the contact
+/// springs (38), J.
 template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,
@@ -108,8 +109,8 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   const ContactPastOf<Pack> by_step = past_by(of_step);
   const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
   const Vector3<Pack> n_W = near.all(&NearContact::n_W);
-  // extrapolated approach to the start of the stage counts as measured; unnoticed approach within a stage
-  // does not
+  // approach during the extrapolation to the start of the stage explains depth (35); approach within a stage
+  // that was not predicted does not
   const Pack approach = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
   const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .approach = approach};
   const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
@@ -127,7 +128,7 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
   return c.found;
 }
 
-/// Stores the memory of four contacts at the end of the stage, of active or deep ones.
+/// Stores the contact memory at the end of the stage for the active or deep contacts of a group of four.
 template <std::size_t max_contacts>
 GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
                                   const InitialMemoryPack& initial, const ContactPack& pack,
@@ -150,7 +151,7 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h
   }
 }
 
-/// Appends the active contacts of four to the forces.
+/// Appends the forces of the active contacts of a group of four.
 template <std::size_t max_contacts>
 void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack,
                  ContactForces<max_contacts>& forces) noexcept {

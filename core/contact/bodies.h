@@ -41,8 +41,8 @@ bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, 
   return touches;
 }
 
-/// Sums the contacts of an island in their modes. all: all contacts, not only those with changed modes.
-/// Returns true if an active pair is not coupled in the system.
+/// Sums effective masses and impulses of an island's contacts in their current modes. all: include contacts
+/// whose mode has not changed. Returns true if an active pair is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr bool tangents = FrictionSearchOf<Contacts>::tangents;
@@ -82,8 +82,8 @@ void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noex
   order(w.system);
 }
 
-/// Loads the system of an island: stages (10), (11), (34), contacts (24), stops (19). first: true in the
-/// first Newton iteration.
+/// Loads the linear system of an island: body stages (10), (11), (34), contacts (24) and joint stops (19).
+/// first: true in the first Newton iteration.
 template <class Contacts, std::size_t N>
 void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Island& island,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -118,7 +118,8 @@ bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& 
   most = {};
   const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
-  [[maybe_unused]] bool turned = false;  // true if friction predicted along a slip (50) does work on it
+  // true if friction predicted along a slip (50) does positive work on it
+  [[maybe_unused]] bool turned = false;
   each_pack(w.x.V, island, w, [&]<class V>(ContactPack& c, [[maybe_unused]] const V& v) noexcept {
     if constexpr (std::is_same_v<V, PackVelocity>) {
       turned = turned || is_slip_reversed(c);
@@ -145,11 +146,11 @@ void solve_complete(BodyContactScratch<Contacts, N>& w) noexcept {
 /// Termination criteria of the iterations of a coupled system.
 struct SolverLimits {
   bool has_contacts = false;
-  int iteration_limit = 0;              // limit of iterations, in all Newton iterations
+  int iteration_limit = 0;              // conjugate gradient iterations, summed over Newton iterations
   Real tolerance = velocity_tolerance;  // m/s, of all velocities
 
-  /// Returns the limit for the next Newton iteration: a share of the remaining iterations, because contacts
-  /// may change their modes afterwards.
+  /// Returns the limit of conjugate gradient iterations in the next Newton iteration. With contacts it is a
+  /// share of the remaining ones, because contacts may change their modes afterwards.
   int next_limit(int iterations) const noexcept {
     const int left = iteration_limit - iterations;
     return has_contacts ? (left + net_iteration_divisor - 1) / net_iteration_divisor : left;
@@ -159,8 +160,7 @@ struct SolverLimits {
 /// Returns a residual as a share of the largest normal force; zero without contact forces.
 inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residual / F_n : 0; }
 
-/// Stores the impulses on bodies of an island beyond their contact forces, as far as joints do not carry
-/// them.
+/// Stores the residual impulses on the bodies of an island that neither contacts nor joints carry.
 template <class Contacts, std::size_t N>
 void store_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.is_unbalanced = true;
@@ -210,7 +210,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
       left = largest_residual(system, w);
     }
     if (move_contacts(island, w)) {
-      // predicted velocities solve no system, so nothing is lost by leaving them
+      // no search from V_0 in the first iteration: V_0 is only predicted and solves no system
       if (newton_iterations > 0) search_line(h, island, system, w);
       left = scale_velocities(h, island, system, w);
       if constexpr (System::is_coupled) w.net.is_balanced = false;
@@ -289,8 +289,8 @@ SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
   return {.w = sum(tau[0], tau[1], tau[2]), .v = sum(f[0], f[1], f[2])};
 }
 
-/// Adds the impulses on bodies beyond their contact forces (22), (23) to the reported wrenches and forces,
-/// which then equal the change of momentum.
+/// Adds the residual impulses on bodies, beyond the contact laws (22), (23), to the reported wrenches and
+/// forces, which then equal the change of momentum.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] void report_unbalanced(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   Missing<Contacts, N> missing;

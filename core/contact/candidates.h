@@ -12,7 +12,7 @@ namespace godobject {
 /// start.
 struct NearContact {
   std::uint64_t key = 0;
-  std::uint32_t of = 0, on = 0;  // numbers of both sides: surfaces, then spheres
+  std::uint32_t of = 0, on = 0;  // touching and touched element: surface number, or sphere number after them
   std::uint32_t a = 0, b = 0;    // bodies of `of` and `on`
   Real d = 0;                    // depth, m; < 0: apart
   Real v_n = 0;                  // opening speed, m/s

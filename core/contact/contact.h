@@ -65,23 +65,24 @@ struct ContactParams {
 
 /// Report of a step on the contacts of the scene.
 struct ContactReport {
-  // at the end of the step's last stage
+  // values at the end of the step's last stage
   std::size_t num_contacts = 0;  // active contacts
   std::size_t num_near = 0;      // near contacts
   Real deepest = 0;              // depth of the deepest sphere, m
-  // of the step's worst stage
-  int newton_iterations = 0;  // Newton iterations over the contact modes, of the island with most
-  int iterations = 0;         // iterations of conjugate gradients in all of them
+  // values of the step's worst stage
+  int newton_iterations = 0;  // Newton iterations over the contact modes, largest of any island
+  int iterations = 0;         // conjugate gradient iterations in all of these Newton iterations
   int num_without_room = 0;   // islands with too few blocks, solved by conjugate gradients
   Real residual = 0;          // largest deviation of a contact force from (22), (23), N
   Real residual_share = 0;    // residual as a share of the largest normal force of its island
   int num_stopped = 0;        // islands whose Newton iterations were cut off before they converged
-  // of the step
+  // value of the whole step
   Real found =
       0;  // energy of contact springs at the start of stages in excess of that at the end of the previous
           // ones, J
 
-  /// Combines the report with `before`, that of the previous stages, for quantities of the worst stage.
+  /// Combines the report with `before`, the report of the previous stages: takes the maximum of each
+  /// worst-stage quantity.
   void cover(const ContactReport& before) noexcept {
     newton_iterations = std::max(newton_iterations, before.newton_iterations);
     iterations = std::max(iterations, before.iterations);

@@ -16,10 +16,10 @@ struct ContactForce {
   std::uint32_t a = 0, b = 0;  // bodies, or a node and a body
   Vec3 p_W = Vec3::Zero();     // contact point, m
   Vec3 n_W = Vec3::UnitZ();    // off b
-  Vec3 F_W = Vec3::Zero();     // on a, N
+  Vec3 F_W = Vec3::Zero();     // force on a, N
 };
 
-/// Forces of contacts, by rising keys.
+/// Contact forces, sorted by key.
 template <std::size_t max_contacts>
 struct ContactForces {
   std::array<ContactForce, max_contacts> list;

@@ -17,7 +17,7 @@ struct TouchingPair {
   bool is_deep = false;     // true if some contact is deep at the predicted places
   bool touches = false;     // true if some contact is active
   std::uint32_t entry = 0;  // entry in the system, or no_slot
-  Column d;                 // from the parent's centre of mass to the child's
+  Column d;                 // vector from the parent's centre of mass to the child's
   SymmetricSpatialMatrix A;
   SpatialVector F;
 };
@@ -53,7 +53,7 @@ struct TouchingGraph {
   [[no_unique_address]] std::conditional_t<has_terms, std::array<TermEdge, max_terms>, Absent<19>> terms;
   std::uint32_t num_terms = 0;
 
-  /// Calls f(body's number, body), f(pair) for all of an island.
+  /// Calls f(number, body) for each body of an island. each_pair() calls f(pair) for each of its pairs.
   template <class F>
   void each_body(const Island& island, F f) noexcept {
     for (std::uint32_t k = island.first_body; k < island.end_body; ++k) f(order[k], bodies[order[k]]);
@@ -73,7 +73,8 @@ struct TouchingGraph {
   Island& island_with(std::uint32_t i) noexcept { return islands[island_of[root_of(i)]]; }
 };
 
-/// Joins the bodies by their pairs and joints. Bodies on joints of the world are one tool.
+/// Unites bodies that form a pair or are joined by a term or a joint. Bodies on joints to the world are one
+/// tool.
 template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms>
 void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, max_terms>& w) noexcept {
   for (std::uint32_t i = 0; i < num_bodies; ++i) w.joined_to[i] = i;
@@ -94,8 +95,8 @@ void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, ma
   }
 }
 
-/// Builds the islands, each with its bodies and pairs. touches[i]: body i touches anything. join_further():
-/// joins by further couplings.
+/// Builds the islands with their bodies and pairs. touches[i]: true if body i touches anything.
+/// join_further(): unites bodies by couplings that are not in the graph.
 template <std::size_t N, std::size_t max_pairs, bool jointed, std::size_t max_terms, class JoinFurther>
 void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
                   TouchingGraph<N, max_pairs, jointed, max_terms>& w, JoinFurther join_further) noexcept {

@@ -248,8 +248,8 @@ void shift_contacts(const std::array<SpatialVector, N>& V, Real h, const Island&
   });
 }
 
-/// Adds the impulses on tools without a fixed root, beyond their contact forces, to these, at one body of
-/// each tool, which transfers them. F: impulses on bodies beyond their contacts, reduced accordingly.
+/// Adds the residual impulses on tools without a fixed root to the contact forces of one body per tool, which
+/// transfers them. F: impulses on bodies beyond their contact forces, reduced accordingly.
 template <class Contacts, std::size_t N, class Impulses>
 [[gnu::noinline]] void report_unbalanced_tools(std::size_t num_bodies, Real h, Impulses& F,
                                                BodyContactScratch<Contacts, N>& w) noexcept {
@@ -325,7 +325,7 @@ void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::ma
     if (edge.on_body()) F[edge.parent] = F[edge.parent] + moved_wrench(F[i], all.p[i] - all.p[edge.parent]);
   }
   if (!w.is_unbalanced) return;
-  // a free tool has no joint that could bear the rest: torques, and forces of tools that touch nothing
+  // a free tool has no joint to the world that could carry the remaining torques and forces
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     if (!all.joined[i] || all.edges[i].kind != JointKind::free) continue;
     w.wrenches[i].tau += F[i].w.vec() * (1 / h);

@@ -15,8 +15,8 @@
 
 namespace godobject {
 
-/// Calls f(pack, V_c) for all contacts of an island; with those of nets if V has their nodes. V_c: velocity
-/// of its body, or relative to the other body of its pair.
+/// Calls f(pack, V_c) for all contacts of an island, including those of nets if V has their nodes. V_c:
+/// velocity of the contact's body, or relative to the other body of its pair.
 template <class Velocities, class Contacts, std::size_t N, class F>
 void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
@@ -161,7 +161,7 @@ struct IslandTranslation {
       v = v * (1 / M);
     }
   }
-  /// Returns V relative to the translation; below, b without its momentum.
+  /// Returns V relative to the translation. The overload below returns b without the translation's momentum.
   template <class U, class Vector>
   auto off(U u, const Vector& V) const noexcept {
     if constexpr (is_zero) return V[u];

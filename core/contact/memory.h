@@ -75,7 +75,7 @@ struct ContactStage {
   Real t_0 = 0, t_1 = 0;     // s: xi is extrapolated by t_0 times the rate of the step, plus t_1 times that
                              // of the previous stage
   Real relaxation_time = 0;  // s, duration of the relaxation of e
-  Real found = 0;            // J, sum over the previous stages of the step: ContactReport
+  Real found = 0;            // sum of ContactReport::found over the previous stages of the step, J
   bool continues_step =
       false;  // true after another stage of the step; otherwise the stage memory is of another step
   bool follows = false;   // true if it starts at the end of the previous stage
@@ -121,13 +121,13 @@ struct StageLawOf {
   T k = 0;                       // N/m
   T eta_n = 0;                   // N s/m
   T eta_n_h = 0;                 // eta_n / h, N/m
-  T max_eta_t = 0;               // N s/m, of a sticking contact point
+  T max_eta_t = 0;               // eta_t of a sticking contact point, N s/m
   T v_per_xi = 0;                // k_t / max_eta_t, 1/s
   T mu = 0;                      // Coulomb friction
   T kept = 0;                    // share of xi that remains at the end of a stage without friction
-  T given = 0;                   // m/N, change of xi by friction
-  T max_decrease = 0;            // m, largest decrease of e
-  T max_lag = 0;                 // m, largest distance of a decreasing e below the depth
+  T given = 0;                   // change of xi per friction force, m/N
+  T max_decrease = 0;            // largest decrease of e in the stage, m
+  T max_lag = 0;                 // largest distance of a decreasing e below the depth, m
   T max_stored_penetration = 0;  // m (35)
 };
 
@@ -202,7 +202,7 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
   if (stage.continues_step) {
     const auto by_stage = is_same(of_stage);
     known = known | by_stage;
-    // after substeps (39), that stage's rate is of its last substep alone
+    // after substeps (39), the previous stage's rate is only that of its last substep
     if (stage.follows || stage.is_euler) xi = select(by_stage, of_stage.xi_W, xi);
     else xi += select(by_stage, Vector3<T>(of_stage.xi_dot_W * T(stage.t_1)), none);
     e = select(by_stage, of_stage.e, e);

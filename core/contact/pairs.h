@@ -55,8 +55,8 @@ struct WithNet : Contacts {
   static constexpr std::size_t max_net_pairs = NetStage<Net, N>::max_pairs;
 };
 
-/// Stage of a body, about its centre of mass, world axes. Its A has a skew part (11), which a symmetric solve
-/// cannot contain. Alone, the body moves by the whole A; contacts act on that motion.
+/// Stage of a body, about its centre of mass, world axes. Its A has a skew part (11), which a symmetric
+/// solver cannot represent. Without contacts the body moves by the whole A; contacts act on that motion.
 ///
 ///   (34)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
 struct BodyStage {
@@ -77,7 +77,8 @@ struct NearGroup {
   std::uint32_t pair = no_pair;  // number of the pair in the graph
 };
 
-/// Contacts on a line in velocities: normal forces F_n - by t at normal velocities of slope v_n.
+/// Contacts along a search direction: at step length t the normal force is F_n - by t, with v_n the rate of
+/// the normal velocity.
 struct LinePack {
   Pack F_n, by, v_n, active;
 };
@@ -119,23 +120,25 @@ struct BodyContactScratch {
   using OfNet = NetStageType<Contacts, N, System>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;
-  std::array<NearGroup, max_contacts> groups;  // the near ones of a pair, or of a body and the world
+  std::array<NearGroup, max_contacts> groups;  // near contacts of a pair, or of a body and the world
   std::size_t num_groups = 0;
-  std::array<ContactPack, max_packs> packs;             // each of one pair, or one body with the world
-  std::array<InitialMemoryPack, max_packs> initial;     // of these
-  LinePacks<max_packs + Contacts::max_net_packs> line;  // contacts that change their modes on it
+  // each pack: contacts of one pair, or of one body with the world
+  std::array<ContactPack, max_packs> packs;
+  std::array<InitialMemoryPack, max_packs> initial;  // initial data of these contacts
+  // contacts that change their modes along the search direction
+  LinePacks<max_packs + Contacts::max_net_packs> line;
   TouchingGraph<N, max_pairs, Contacts::jointed, max_terms> graph;
   [[no_unique_address]] typename Contacts::TermStages terms;
   System system;  // system of the current island
   SystemVectors<typename OfNet::Coupled>
-      x;  // V: velocities of all bodies; V_0: predicted ones, then those of the previous iteration
+      x;  // V: velocities of all bodies; V_0: predicted velocities, then those of the previous iteration
   [[no_unique_address]] typename OfNet::type net;            // nodes of nets
   [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
   std::array<ContactMemories<max_contacts>, 2> memories;
   std::size_t last = 0;
-  ContactForces<max_contacts> forces;  // of the stage
+  ContactForces<max_contacts> forces;  // contact forces of the stage
   ContactStage stage;
   // true if some extrapolated contact has unexplained penetration (35)
   [[no_unique_address]] std::conditional_t<checks_penetration_jumps<Contacts>, bool, Absent<24>>
@@ -164,7 +167,7 @@ void join_net(BodyContactScratch<Contacts, N>& w) noexcept {
     if (one.body < N) of_net(one.body);
 }
 
-/// Returns the number of the near contact's pair, or of its body with the world.
+/// Returns the number of a near contact's pair: two bodies, or a body and the world.
 inline std::uint32_t pair_of(const NearContact& near) noexcept {
   return static_cast<std::uint32_t>(near.key >> 32);
 }

@@ -38,7 +38,7 @@ std::uint32_t end_of_node(std::uint32_t node, const BodyContactScratch<Contacts,
   return Link::on_world;
 }
 
-/// Calls f(link) for all near contacts and attachments. Their ends a are not the world.
+/// Calls f(link) for all near contacts and attachments. End a of a link is never the world.
 template <class Contacts, std::size_t N, class F>
 void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
   for (std::uint32_t k = 0; k < w.near.size; ++k) {
@@ -99,7 +99,7 @@ struct Missing {
   }
 };
 
-/// True if the link acts on the end i by its nodes or by an attachment: its wrench has no such forces.
+/// True if the link acts on the end i through a node or an attachment. Wrenches omit such forces.
 template <class Contacts, std::size_t N>
 bool is_by_net(const Link& link, std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
   if constexpr (Contacts::has_net)
@@ -107,7 +107,7 @@ bool is_by_net(const Link& link, std::uint32_t i, const BodyContactScratch<Conta
   return link.kind == Link::Kind::attachment;
 }
 
-/// Adds F_W on the end i to the contact of a link, and its opposite to the other end.
+/// Adds the force F_W on end i, and its opposite on the other end, to the contact of a link.
 template <class Contacts, std::size_t N>
 void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
                  BodyContactScratch<Contacts, N>& w) noexcept {
@@ -129,7 +129,7 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
     const NearContact& one = add_to_bearing(link.k, w.net.near, w.net.forces, are_alike,
                                             [&](const NearContact&) noexcept { return on_node; });
     if (one.b < N) w.wrenches[one.b].f -= on_node;
-    // a body moves by its missing force as by one through its centre of mass
+    // a missing force acts on a body at its centre of mass
     const std::uint32_t carrier = end_of_node(one.a, w);
     if (carrier < N) w.wrenches[carrier].tau -= w.net.r[one.a].vec().cross(on_node);
   }
@@ -141,7 +141,7 @@ template <class Contacts, std::size_t N>
 void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr std::size_t max = Missing<Contacts, N>::max;
   std::array<std::uint32_t, max> order;  // ends of a tree
-  std::array<Link, max> by, on_world;    // to the end before; to the world
+  std::array<Link, max> by, on_world;    // link to the previous end; link to the world
   std::array<bool, max> has_link, is_reached{}, is_linked{}, is_on_world{};
   std::uint32_t num_ends = N;
   if constexpr (Contacts::has_net)

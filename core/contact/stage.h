@@ -9,13 +9,13 @@
 //
 // A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
 // A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set.
-// Each iteration starts with the modes of the previous one. Against the world the first iterations take a
-// slipping contact by its tangent,
+// Each iteration starts with the modes of the previous one. Against the world, the first iterations linearise
+// a slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //
-// which converges at once if the slip keeps its direction. The next use (24) unchanged. The last ones keep
-// eta_t, which cannot drive, and find the active set. Their error is reported as the residual.
+// which converges at once if the slip keeps its direction. The next iterations use (24) unchanged. The last
+// ones keep eta_t, which cannot add energy, and find the active set. Their error is reported as the residual.
 #pragma once
 
 #include <limits>
@@ -60,8 +60,8 @@ inline void set_contacts(const StageLawOf<Pack>& law, const InitialContactOf<Pac
   pack.eta_n = law.eta_n;
   pack.max_eta_t = law.max_eta_t;
   pack.mu = law.mu;
-  // that of the previous stage; of a new contact F_n at the predicted velocities. Colliding bodies slow down
-  // within the step, so at predicted velocities too many contacts are active, too hard.
+  // normal force of the previous stage; for a new contact, that at the predicted velocities. Colliding bodies
+  // slow down within the step, so at predicted velocities too many contacts are active, too hard.
   const Pack F_n = select(initial.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), initial.F_n);
   pack.F = pack.n * F_n;
 }
@@ -87,18 +87,19 @@ inline void move(ContactPack& c, const SpatialVector& V) noexcept {
   c.v = V_v + V_w.cross(c.r);
 }
 
-/// Velocities of contacts that each have their own; number: of the pack.
+/// Velocity of each contact point, for contacts that share no body, as those of nodes. number: index of the
+/// pack.
 struct PackVelocity {
   Vector3<Pack> v;
   std::size_t number = 0;
 };
 inline void move(ContactPack& c, const PackVelocity& V) noexcept { c.v = V.v; }
 
-/// Returns speeds that can be divided by; a contact without speed sticks.
+/// Replaces zero speeds by the smallest positive number, for divisions; a contact at this speed sticks.
 inline Pack above_zero(const Pack& speed) noexcept {
   return max(speed, Pack(std::numeric_limits<Real>::min()));
 }
-/// Returns a slip speed that can be divided by.
+/// Returns the slip speed, above zero, for divisions.
 inline Pack speed_of(const Vector3<Pack>& s) noexcept { return above_zero(sqrt(s.squaredNorm())); }
 /// Returns eta_t of (24) at a slip speed.
 inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) noexcept {
@@ -177,7 +178,7 @@ void predict(ContactPack& c, const Velocity& V) noexcept {
 
 /// Sums over the contacts of a body or a pair, for its A and b.
 struct ContactSums {
-  // of W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T):  W;  [r]x W;  -[r]x W [r]x
+  // sums of W, [r]x W and -[r]x W [r]x, with W = h (eta_t (1 - u u^T) + (eta_n - eta_t) n n^T)
   Pack vv[6] = {0, 0, 0, 0, 0, 0}, wv[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, ww[6] = {0, 0, 0, 0, 0, 0};
   Vector3<Pack> b_w = Vector3<Pack>::Constant(Pack(0)), b_v = Vector3<Pack>::Constant(Pack(0));
 };
@@ -219,7 +220,7 @@ void add(const ContactPack& c, Real h, ContactSums& sums) noexcept {
   sums.b_w += r.cross(F);
 }
 
-/// Returns the sums of three packs.
+/// Returns the sum over the lanes of each of three packs.
 inline Column sum(const Pack& x, const Pack& y, const Pack& z) noexcept {
   const Pack xy = shuffled<0, 4, 2, 6>(x, y) + shuffled<1, 5, 3, 7>(x, y);
   const Pack zz = z + shuffled<1, 0, 3, 2>(z, z);

@@ -24,9 +24,9 @@ Real speed_sq_of(const Stages&, NetNodeNumber, const Column& v) noexcept {
 inline Real force_sq(const SpatialVector& F) noexcept { return dot(F.v, F.v); }
 inline Real force_sq(const Column& F) noexcept { return dot(F, F); }
 
-/// Returns the squared largest impulse of F on the bodies of a system, about their centres of mass, that
-/// joints cannot carry. F is overwritten. A torque tau about an axis counts as the force tau sqrt(m / I),
-/// with the same energy for an impulse.
+/// Returns the square of the largest impulse in F that joints cannot carry. F: impulses on the bodies of a
+/// system, about their centres of mass; overwritten. A torque tau about an axis counts as the force tau
+/// sqrt(m / I), with the same energy for an impulse.
 template <class System, class Stages, class Vector>
 Real largest_residual_sq(const System& system, const Stages& stages, Vector& F) noexcept {
   Real most = 0;

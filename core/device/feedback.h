@@ -31,7 +31,7 @@ inline Vec3 bounded(const Vec3& a, Real bound, Limited bit, Limited& limited) no
 struct LimitedFeedback {
   using Params = FeedbackParams;
   struct State {
-    Wrench F_D;  // displayed in the last step
+    Wrench F_D;  // wrench displayed in the last step
     // Displayed force and torque at the first sample after a gap, N and N m.
     Real force_at_return = 0;
     Real torque_at_return = 0;

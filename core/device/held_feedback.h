@@ -11,7 +11,7 @@ struct HeldFeedback {
   using Params = FeedbackParams;  // limits; the gains are those of the body
   struct State {
     LimitedFeedback::State shown;
-    Vec3 lever_W = Vec3::Zero();  // from the device's origin to the target
+    Vec3 lever_W = Vec3::Zero();  // vector from the device's origin to the target
   };
 
   /// Returns the wrench on the hand about the device's origin, world axes; call once per step.

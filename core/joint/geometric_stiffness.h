@@ -71,7 +71,7 @@ void stiffen(const Vector3<T>& r, const Vector3<T>& F, const Vector3<T>& w, Matr
 }
 
 /// Stiffness that a joint adds to A of its bodies, for rotations of the parent and of the child, and for its
-/// slide. The slide's leaves the momentum of both bodies unchanged.
+/// slide. The stiffness of the slide leaves the momentum of both bodies unchanged.
 struct JointStiffness {
   Block parent = Block::zero();
   Real turn = 0, slide = 0;

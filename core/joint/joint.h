@@ -29,15 +29,15 @@ inline JointFrame joint_frame(const Pose& X) noexcept { return {.p = X.p, .R = X
 struct JointParams {
   JointKind kind{};            // free: no joint
   std::size_t parent = world;  // index of a body before this one, or world
-  JointFrame P;                // on the parent
-  JointFrame C;                // on this body
+  JointFrame P;                // frame on the parent
+  JointFrame C;                // frame on this body
 };
 
 /// Both frames of a joint in world axes.
 struct JointFrames {
   Mat3 R_WP;
   Mat3 R_WC;
-  Vec3 d_W;  // from the parent's anchor to the child's, m
+  Vec3 d_W;  // vector from the parent's anchor to the child's, m
 };
 
 /// Allowed motion and violation of a joint, world axes. Coordinates are the rotations, then the translations.

@@ -9,7 +9,7 @@ namespace godobject {
 /// Joint at an instant.
 struct JointAt {
   JointFrames X;
-  Twist V;  // of the child's anchor against the parent, world axes
+  Twist V;  // twist of the child's anchor relative to the parent, world axes
 };
 
 /// Returns V without its components along the axes of the joint.

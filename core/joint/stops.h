@@ -22,7 +22,7 @@ struct JointStops {
     std::array<StopParams, 2> stops;
   };
   struct State {
-    JointCoordinates q = JointCoordinates::Zero();  // at the end of the last step, turns counted
+    JointCoordinates q = JointCoordinates::Zero();  // coordinates at the end of the last step, turns counted
   };
 };
 
@@ -55,8 +55,8 @@ inline AxisTerms stop_terms(const StopParams& par, Real q, Real rate, Real h) no
   return {.D = h * (g + h * k), .tau = -h * (side * k * (d - Real(0.5) * s) + g * rate)};
 }
 
-/// Returns the branch of the stop's law (19) at q: 0 between the ends; beyond one +-1, deeper than `width`
-/// +-2.
+/// Returns the branch of the stop's law (19) at q: 0 between the ends, +-1 beyond an end, +-2 deeper than
+/// `width`.
 inline int stop_branch(const StopParams& par, Real q) noexcept {
   if (q < par.lower) return par.lower - q > par.width ? -2 : -1;
   if (q > par.upper) return q - par.upper > par.width ? 2 : 1;

@@ -43,7 +43,7 @@ struct TreeJoints {
   };
   using Input = typename Prescribed::Input;
   struct Output {
-    Wrench F_C;  // of the joint on the child at its anchor, world axes, mean over the step
+    Wrench F_C;  // wrench of the joint on the child about its anchor, world axes, mean over the step
   };
 };
 
@@ -99,8 +99,8 @@ TreePlace lane(const TreePlaceOf<T>& at, std::size_t j) noexcept {
 /// Body of the tree during a stage; default: the world. Undefined between steps, except the joint's wrench.
 struct TreeNode {
   TreePlace at;          // place at the predicted end of the stage
-  ArticulatedBody body;  // at the anchor of its joint
-  Column d;              // from the parent's anchor to the body's
+  ArticulatedBody body;  // articulated inertia and bias at the anchor of its joint
+  Column d;              // vector from the parent's anchor to the body's
   SpatialVector beta;    // (5)
   std::array<EliminatedAxis, 2> axis;
   SpatialVector V;  // solution
@@ -118,7 +118,7 @@ struct JointsInStage {
   [[no_unique_address]] Coordinates q;  // coordinates at the start of the stage, turns counted
   bool is_stiff = false;   // true if a stop or joint force may have reversed a motion within the last stage
   bool stop_acts = false;  // true if a coordinate was within a stop in the last stage
-  bool stop_changes = false;  // true if a coordinate entered or left a stop, or its width, in the last stage
+  bool stop_changes = false;  // true if a coordinate changed its branch of a stop (19) in the last stage
 };
 
 /// Nodes of the bodies, then of the world.

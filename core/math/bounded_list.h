@@ -33,8 +33,8 @@ struct BoundedList {
   void forget_from(std::size_t mark) noexcept {
     if (!full()) size = num_found = mark;
   }
-  /// Replaces the shallowest item of a full list, a heap until put_in_order(). A separate function with a
-  /// value argument, so that the item of a list with room need not pass through memory.
+  /// Replaces the shallowest item of a full list; the list is a heap until put_in_order(). Not inlined and by
+  /// value: otherwise items of a list with room would also pass through memory.
   // NOLINTNEXTLINE(performance-unnecessary-value-param)
   [[gnu::noinline]] void put_in_place_of_shallowest(Item item) noexcept {
     if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);

@@ -160,7 +160,7 @@ inline constexpr std::size_t num_lanes = 1;
 template <>
 inline constexpr std::size_t num_lanes<Pack> = Pack::size;
 
-/// Returns number j of one or four.
+/// Returns lane j of a pack; a single number is returned as it is.
 inline Real lane(Real a, std::size_t) noexcept { return a; }
 inline Real lane(const Pack& a, std::size_t j) noexcept { return a[j]; }
 template <class T>

@@ -32,7 +32,7 @@ struct SymmetricBlock {
   Column diagonal, off;
 
   static SymmetricBlock zero() noexcept { return {.diagonal = Column(Pack(0)), .off = Column(Pack(0))}; }
-  /// Returns a 1.
+  /// Returns a times the identity.
   static SymmetricBlock multiple(Real a) noexcept {
     return {.diagonal = Column(Pack(a)), .off = Column(Pack(0))};
   }

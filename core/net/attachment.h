@@ -14,7 +14,7 @@
 
 namespace godobject {
 
-/// Linearises the attachments at the predicted nodes and bodies. at: of the bodies.
+/// Linearises the attachments at the predicted nodes and bodies. at: predicted places of the bodies.
 template <class Net, std::size_t N, class Places>
 void begin_attachments(const typename Net::Params& par, const Places& at, Real h,
                        NetStage<Net, N>& w) noexcept {
@@ -39,7 +39,7 @@ void begin_attachments(const typename Net::Params& par, const Places& at, Real h
   }
 }
 
-/// Makes the velocities relative to V_p of jointed bodies.
+/// Makes the impulses of attachments relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_attachments(const Twists& V_p, NetStage<Net, N>& w) noexcept {
   for (NetContactTerm& one : w.attached())

@@ -88,11 +88,11 @@ void find_pair(std::uint32_t carrier, std::uint32_t touched, NetStage<Net, N>& w
   if (carrier >= N) return;  // the world
   for (std::size_t k = w.num_pairs; k-- > 0;)
     if (w.pairs[k].carrier == carrier && w.pairs[k].touched == touched) return;
-  // without it the preconditioner is weaker, nothing else
+  // a pair that is left out only makes the preconditioner weaker
   if (w.num_pairs < w.max_pairs) w.pairs[w.num_pairs++] = {.carrier = carrier, .touched = touched};
 }
 
-/// Makes the anchors relative to V_p of jointed bodies.
+/// Makes the impulses of anchors relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
@@ -103,7 +103,7 @@ void shift_anchors(const Twists& V_p, NetStage<Net, N>& w) noexcept {
     }
   });
 }
-/// Makes the contacts relative to V_p of jointed bodies.
+/// Makes the initial velocities of contact points relative to V_p of jointed bodies.
 template <class Twists, class Net, std::size_t N>
 void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
@@ -187,7 +187,7 @@ void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
     for (std::size_t k = 0; k < net.num_pairs; ++k) {
       const NetPair& pair = net.pairs[k];
       if (pair.carrier != carrier || pair.touched != contact.body || pair.entry == no_slot) continue;
-      // of the carrier's point against the body's
+      // effective mass for the velocity of the carrier's point relative to the body's
       const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = A};
       w.system.add_to_factor(pair.entry, shifted(coupling(at_end, net.r[contact.node]), contact.r));
     }
@@ -205,7 +205,7 @@ void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept
     factor_nodes(net);
     net.factored_h = h;
   }
-  if (first) predict_friction(h, net);  // those that touch stay the same
+  if (first) predict_friction(h, net);  // changes eta_t only
   remove_contacts_from_factor(net);
   gather_net_contacts(h, net);
   add_contacts_to_factor(net);
@@ -213,7 +213,7 @@ void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept
   load_carrier_relative(w);
 }
 
-/// Transforms the nodes' velocities from world to carrier frame; below, back.
+/// Transforms the nodes' velocities from world to carrier frame. The function below transforms them back.
 template <class Net, std::size_t N, class Vector>
 void to_carrier_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
   each_carried(w, [&](const NetRun& run) noexcept {
@@ -245,7 +245,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     report.deepest = std::max(report.deepest, depth);
     const bool bears = near.n_W.dot(F) > 0;
     if (bears) ++report.num_contacts;
-    // a joint carries the rest: forces that pull, within the tolerance of the iterations
+    // forces that pull, within the tolerance of the iterations, are attributed to a joint of the body
     bool counts = bears;
     if constexpr (Contacts::jointed)
       counts = bears || near.b == NetContactTerm::on_world || !w.graph.joints.joined[near.b];

@@ -92,7 +92,7 @@ struct CoupledSystem {
   /// Computes AV = A V.
   void multiply(const Vector& V, Vector& AV) const noexcept {
     bodies.multiply(V.bodies, AV.bodies);
-    auto& v = net.carrier_relative_v;  // of the nodes against the world
+    auto& v = net.carrier_relative_v;  // storage for the velocities of nodes relative to the world
     for (std::size_t k = 0; k < net.num_runs; ++k) {
       const NetRun& run = net.runs[k];
       if (run.body == world) {
@@ -161,7 +161,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   });
   solve(system.bodies, x.Ap.bodies, c_1);
   system.bodies.each([&](std::uint32_t u) noexcept { along_c_1.add(x.p[u], c_1[u]); });
-  // likewise of nets in free flight
+  // correction of nets in free flight
   auto& net = system.net;
   each_floating(net, [&](const NodeRow& nodes, RowStage& of) noexcept {
     if (!of.flies) return;

@@ -19,7 +19,8 @@ template <class Par>
 struct SpringsOfNodes;
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 struct SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> {
-  std::array<std::uint32_t, max_nodes + 1> first{};  // of node n: list[first[n]] to list[first[n + 1] - 1]
+  // springs of node n: list[first[n]] to list[first[n + 1] - 1]
+  std::array<std::uint32_t, max_nodes + 1> first{};
   std::array<std::uint32_t, 2 * max_springs> list{};
 
   template <class Has>

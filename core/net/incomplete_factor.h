@@ -63,7 +63,7 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
     SymmetricPack D_i = in_lanes(D, group);
     for (std::uint32_t s = group.first; s < group.end; ++s) add(w.masses[s], D_i);
     const std::array<SymmetricBlock, 4> D_n = blocks(D_i);
-    // the first node's own lane last
+    // in reverse: unused lanes repeat the first node, whose own lane must be stored last
     for (std::size_t j = 4; j-- > 0;) D[group.nodes[j]] = D_n[j];
     const SymmetricPack E = w.D_inverse[g] = inverse(D_i + in_lanes(w.of_contacts, group));
     for (std::uint32_t s = group.first; s < group.end; ++s) {

@@ -4,7 +4,7 @@
 // reduces the friction error by only 20 % per iteration. (50) predicts the slip from the node's compliance in
 // the factor of the nodes instead:
 //
-//   (50)  by h / m a newton,  m = d^T D d along d, D of (43) without the contact:
+//   (50)  slip change per newton  h / m,  m = d^T D d along d, D of (43) without the contact:
 //         slip     s* = s + (F_t - mu F_n) h / m,                   at which friction obeys the law
 //         at first F_n = F_n- + (F_0 - eta_n v_n - F_n-) / (1 + eta_n h / m),  F_n- of the stage before
 //                  F_t = -mu F_n s/|s| where it slips,                        v_n, s where the stage starts

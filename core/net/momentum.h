@@ -66,7 +66,7 @@ template <class Net, std::size_t N>
 struct Attached {
   const NetStage<Net, N>& w;
   std::array<std::uint32_t, N> of;
-  std::array<bool, N> is_held;  // by number: true if attached to the world, or to a node of the world
+  std::array<bool, N> is_held;  // by group: true if attached to the world, or to a node of the world
   std::uint32_t number = 0;     // number of the current group
 
   explicit Attached(const NetStage<Net, N>& net) noexcept : w(net) {

@@ -19,8 +19,8 @@ struct NetNode {
   std::size_t body = world;  // carrier; world: node of the scene
   Vec3 p_B = Vec3::
       Zero();  // place of its anchor: from the carrier's centre of mass in body axes, or in the world, m
-  // of the anchor, N/m and N s/m; both 0: no anchor. If k is 0 for all nodes joined by springs, the net
-  // floats
+  // stiffness and damping of the anchor, N/m and N s/m; both 0: no anchor. If k is 0 for all nodes joined by
+  // springs, the net floats
   Real k = 0, g = 0;
   Real radius = 0;  // radius of its contact sphere, m; 0: no contacts
   MaterialId material = 0;
@@ -76,16 +76,16 @@ struct NodePlace {
   std::uint32_t group = 0, lane = 0;
 };
 
-/// Nodes [first, end) which springs join to no others. The row floats if no anchor of it pulls: its dampers
-/// act on the deviation from its rigid motion (57).
+/// Nodes [first, end) that no spring joins to other nodes. The row floats if none of its anchors has
+/// stiffness: its anchor dampers then act on the deviation from its rigid motion (57).
 struct NodeRow {
   std::uint32_t first = 0, end = 0;
 
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// Parameters, constant during a run. Springs in the order of i, then j; attachments in that of their nodes;
-/// nodes in groups: put_in_order() of setup.h.
+/// Parameters, constant during a run. Springs are sorted by i, then j; attachments by their nodes.
+/// put_in_order() of setup.h assigns nodes to groups.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0>
 struct NetParams {
   static constexpr std::uint32_t no_spring = max_springs;
@@ -98,10 +98,10 @@ struct NetParams {
   std::array<NodeGroup, max_nodes> groups;
   std::size_t num_groups = 0;
   std::array<SpringSlot, max_springs> slots;
-  std::array<NodePlace, max_nodes> places;      // of the nodes in the groups
-  std::array<NodeRow, max_nodes / 2 + 1> rows;  // of two nodes or more
+  std::array<NodePlace, max_nodes> places;      // place of each node in the groups
+  std::array<NodeRow, max_nodes / 2 + 1> rows;  // rows of two or more nodes
   std::size_t num_rows = 0;
-  int max_iterations = 12;  // of conjugate gradients in a stage
+  int max_iterations = 12;  // limit of conjugate gradient iterations in a stage
   // m/s^3: the iteration ends if no velocity changes by more than this times h^2, h of the stage. Residuals
   // add up over the steps, so they decrease like the integrator's error.
   Real tolerance = 100;
@@ -112,13 +112,13 @@ struct NetParams {
 
 /// Report of a step on its nets.
 struct NetReport {
-  // of the step's worst stage
-  int iterations = 0;         // of conjugate gradients
-  int newton_iterations = 0;  // over the modes of their contacts
+  // values of the step's worst stage
+  int iterations = 0;         // conjugate gradient iterations
+  int newton_iterations = 0;  // Newton iterations over the contact modes
   Real residual = 0;          // largest unbalanced force on a node, N
-  bool is_stopped = false;    // the iteration ended at its most, before its tolerance
-  // of its last stage
-  bool majorised = false;        // (47) was needed for the springs
+  bool is_stopped = false;    // true if the iteration was cut off before its tolerance
+  // values of the step's last stage
+  bool majorised = false;        // true if springs were majorised (47)
   std::size_t num_contacts = 0;  // active contacts of nodes
   std::size_t num_near = 0;      // near contacts of nodes
   Real deepest = 0;              // depth of the deepest node, m
@@ -141,7 +141,7 @@ struct MassSpringNet {
   using Output = NetReport;
 };
 
-/// Number of a node among those of the nets, as distinct from numbers of bodies.
+/// Number of a node of a net. A type of its own, because bodies have numbers, too.
 struct NetNodeNumber {
   std::uint32_t n = 0;
 };

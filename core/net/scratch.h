@@ -21,20 +21,20 @@ struct NetRun {
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// Contact or attachment of a node in the system: effective mass a 1 + b n n^T of the node against the body.
-/// Acts at r from the body's centre of mass.
+/// Contact or attachment of a node in the system: effective mass a 1 + b n n^T for the velocity of the node
+/// relative to the body. Acts at r from the body's centre of mass.
 struct NetContactTerm {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   std::uint32_t node = 0, body = on_world;
-  std::size_t carrier = world;  // of the node
+  std::size_t carrier = world;  // carrier of the node
   Column n, r;
   Real a = 0, b = 0;
-  Column J;  // impulse on the node were it at rest against the body
+  Column J;  // impulse on the node at zero velocity relative to the body
 };
 
 /// Pair of a carrier and a body that its nodes touch.
 struct NetPair {
-  std::uint32_t carrier = 0, touched = 0, entry = 0;  // entry: of the system of their island
+  std::uint32_t carrier = 0, touched = 0, entry = 0;  // entry: index in the system of their island
 };
 
 /// Effective masses K = a 1 + b u u^T of the springs of a slot (41).
@@ -52,16 +52,16 @@ struct SlotMass {
 struct RigidFit {
   Column c;         // centre, m
   Real size = 0;    // sum of the weights
-  Block J_inverse;  // of their moments about it
+  Block J_inverse;  // inverse of J in (57), the moment of inertia about the centre
 };
 
 /// A row of nodes in a stage.
 struct RowStage {
-  bool floats = false;  // no anchor pulls, and some damper acts
+  bool floats = false;  // true if no anchor has stiffness and at least one has damping
   RigidFit dampers, masses;
   bool flies = false;        // nothing touches it
-  bool is_free = false;      // it lies in the world, and no anchor pulls
-  SpatialVector delta, c_1;  // (45), about the centre of masses
+  bool is_free = false;      // true if it has no carrier and no anchor with stiffness
+  SpatialVector delta, c_1;  // corrections of (45), about the centre of the masses
 };
 
 /// Nets of a scene in a stage, undefined between steps. N: bodies.
@@ -73,21 +73,21 @@ struct NetStage {
   std::array<NetRun, max_runs> runs;
   std::size_t num_runs = 0, num_nodes = 0;
   static constexpr std::uint32_t no_body = ~std::uint32_t(0);
-  std::uint32_t first_body = no_body;  // one of the bodies in its island
+  std::uint32_t first_body = no_body;  // any body of its island
 
-  // by node, at the predicted end of the stage
+  // indexed by node, at the predicted end of the stage
   std::array<Column, max_nodes> p, v, r;  // r: from the carrier's centre of mass
   std::array<Column, max_nodes> v_free;   // velocities by gravity alone
   Column by_gravity;                      // velocity added in the stage, m/s
   bool begins_at_solution = false;        // V_0 is the last solution of the same stage (39)
   std::array<Real, max_nodes> m, kappa;   // mass; effective mass of the anchor
-  std::array<Real, max_nodes> settling;   // h g of nodes that float, otherwise 0
+  std::array<Real, max_nodes> settling;   // h g of nodes in floating rows, otherwise 0
   std::array<RowStage, max_nodes / 2 + 1> rows;
   std::array<Column, max_nodes> J_anchor;
-  std::array<Column, max_nodes> b;  // impulses of all but contacts
+  std::array<Column, max_nodes> b;  // impulses except those of contacts
 
   const typename Net::Params* par = nullptr;
-  // by slot: effective masses of springs, and impulses with the ends at rest
+  // indexed by slot: effective masses of springs, and impulses with the ends at rest
   std::array<SlotMass, Net::max_springs> masses;
   std::array<Vector3<Pack>, Net::max_springs> J_springs;
   std::array<SymmetricSpatialMatrix, N>
@@ -110,18 +110,18 @@ struct NetStage {
   std::size_t num_pairs = 0;
   std::array<ContactMemories<Net::max_contacts>, 2> memories;
   std::size_t last = 0;
-  ContactForces<Net::max_contacts> forces;  // of the stage
+  ContactForces<Net::max_contacts> forces;  // contact forces of the stage
 
-  // of the incomplete factor of the nodes: D without their own contacts, and by group the inverse of the
-  // whole
+  // incomplete factor of the nodes: D without contacts, the contacts' part of D, and the inverse of both
+  // together by group
   std::array<SymmetricBlock, max_nodes> D, of_contacts;
   std::array<SymmetricPack, max_nodes> D_inverse;
-  Real factored_h = 0;  // length of the stage that it is of, s; 0: it is not to be taken again
-  std::array<Column, max_nodes> carrier_relative_v;  // velocities of the nodes, of a product
+  Real factored_h = 0;  // length of the stage for which the factor was computed, s; 0: no factor to reuse
+  std::array<Column, max_nodes> carrier_relative_v;  // node velocities, storage for a product A V
   using OfBodies = std::array<SpatialVector, N>;
-  OfBodies delta, c_1;   // (45)
-  OfBodies on_carriers;  // impulses of anchors on bodies, at the end
-  OfBodies passed_on;    // impulses on bodies by residuals that contacts of their nodes, or attachments, bear
+  OfBodies delta, c_1;      // (45)
+  OfBodies on_carriers;     // impulses of anchors on bodies, at the end
+  OfBodies passed_on;       // residual impulses on bodies that contacts of their nodes, or attachments, carry
   bool is_solved = true;    // false if the iteration was cut off at its limit
   bool is_balanced = true;  // (45) holds for the velocities
   NetReport report;

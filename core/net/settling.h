@@ -1,13 +1,13 @@
-// Nets that float: no anchor pulls them, so no place in the world or on a body is theirs. Their dampers act
-// on the deviation from their own rigid motion, on the shape, and leave the motion as a whole alone.
+// Floating nets: no anchor has stiffness, so no position of the net is preferred. The dampers of its anchors
+// damp its deformation only, not its rigid motion.
 //
 //   (57)  impulse -h g (v - V - W x r) on a node at r from c;   c, V, W:  sum h g r = 0,
 //         G V = sum h g v,  J W = sum h g r x v,  G = sum h g,  J = sum h g (r^2 1 - r r^T)
 //
-// V and W are the rigid motion nearest to the nodes' velocities, with weights g. So these impulses add up to
-// no force and no torque, and take energy from every motion that is not rigid. In the system they stand
-// beside the springs. The same sums with masses in place of h g give (45) and (48) the motion of a net that
-// flies.
+// V and W: rigid motion that fits the node velocities best, by least squares with weights g. The impulses
+// therefore have no resultant force or torque, and dissipate the energy of any other motion. In the system
+// they are added to the springs. With masses as weights, the same sums are the rigid motion of a flying net
+// for (45) and (48).
 #pragma once
 
 #include <limits>
@@ -31,7 +31,7 @@ RigidFit rigid_fit(const NodeRow& nodes, const Positions& p, Weight weight) noex
     const Vec3 r = (p[n] - fit.c).vec();
     J += weight(n) * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
   }
-  // nodes in a row have no moment about their line: any small number does, since nothing moves by it
+  // collinear nodes have no moment about their line: any small value makes J regular and has no effect
   const Real trace = J.trace();
   if (!(J.determinant() > std::numeric_limits<Real>::epsilon() * trace * trace * trace))
     J += (std::numeric_limits<Real>::epsilon() * trace + std::numeric_limits<Real>::min()) * Mat3::Identity();
@@ -39,7 +39,7 @@ RigidFit rigid_fit(const NodeRow& nodes, const Positions& p, Weight weight) noex
   return fit;
 }
 
-/// The twist about c by which impulses J(node) set the weighted nodes in motion as one.
+/// Returns the twist about c that impulses J(node) give to the weighted nodes as one rigid body.
 template <class Positions, class Impulse>
 SpatialVector rigid_motion(const NodeRow& nodes, const RigidFit& fit, const Positions& p,
                            Impulse impulse) noexcept {
@@ -56,7 +56,7 @@ void each_floating(Stage& w, F f) noexcept {
     if (w.rows[k].floats) f(w.par->rows[k], w.rows[k]);
 }
 
-/// True if no anchor of the row pulls, and some damper acts.
+/// True if no anchor of the row has stiffness and at least one has damping.
 template <class NetParams>
 bool floats(const NetParams& par, const NodeRow& row) noexcept {
   bool damps = false;
@@ -67,7 +67,7 @@ bool floats(const NetParams& par, const NodeRow& row) noexcept {
   return damps;
 }
 
-/// True if the row lies in the world, and no anchor of it pulls.
+/// True if the row has no carrier and no anchor with stiffness.
 template <class NetParams>
 bool is_free(const NetParams& par, const NodeRow& row) noexcept {
   for (std::uint32_t n = row.first; n < row.end; ++n)
@@ -75,7 +75,7 @@ bool is_free(const NetParams& par, const NodeRow& row) noexcept {
   return true;
 }
 
-/// Dampers of floating nets, after begin_anchors() which takes them for anchors.
+/// Begins the dampers of floating nets. Call it after begin_anchors(), which treats these dampers as anchors.
 template <class Net, std::size_t N>
 void begin_preconditioner(const typename Net::Params& par, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t k = 0; k < par.num_rows; ++k) {
@@ -92,7 +92,7 @@ void begin_preconditioner(const typename Net::Params& par, Real h, NetStage<Net,
   });
 }
 
-/// (57)  y += A_dampers v.
+/// Computes y += A_dampers v (57).
 template <class Net, std::size_t N, class Vector>
 void add_settling_product(const NetStage<Net, N>& w, const Vector& v, Vector& y) noexcept {
   each_floating(w, [&](const NodeRow& nodes, const RowStage& of) noexcept {

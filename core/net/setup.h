@@ -33,7 +33,8 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   find_rows(par);
 }
 
-/// Finds the rows of nodes that springs join to no others. Their anchors decide in each stage if they float.
+/// Finds the rows: sets of nodes that no spring joins to other nodes. A row floats in a stage if its anchors
+/// have no stiffness.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
 void find_rows(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
   par.num_rows = 0;

@@ -6,10 +6,10 @@
 //   (47)  or from where the stage starts, at rest:  a = h^2 k
 //   (42)  anchor:  impulse J - kappa (v_n - v_b - w_b x r),  kappa = h (h k + g)
 //
-// Both like (37). A spring is u, a and b in the system. Its product needs no matrix and is computed for the
-// four springs of a slot (groups.h). If it is shorter than l_0, the negative stiffness across it is left out,
-// so that the system is positive definite; if longer, nothing is. Taking the lever of an anchor at the node
-// makes rigid motion force-free.
+// Both have the form of (37). A spring is u, a and b in the system. Its product needs no matrix and is
+// computed for the four springs of a slot (groups.h). The negative stiffness across a spring shorter than l_0
+// is left out, so that the system is positive definite. Taking the lever of an anchor at the node makes rigid
+// motion force-free.
 #pragma once
 
 #include "core/joint/tree.h"
@@ -80,7 +80,7 @@ void rest_at_start(Real h, NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// Begins the anchors of a run. at: of the carrier.
+/// Begins the anchors of a run. at: predicted place of the carrier.
 template <class Net, std::size_t N>
 void begin_anchors(const typename Net::Params& par, const NetRun& run, const TreePlace& at, Real h,
                    NetStage<Net, N>& w) noexcept {
@@ -99,23 +99,24 @@ void begin_anchors(const typename Net::Params& par, const NetRun& run, const Tre
   }
 }
 
-/// Returns a number of each spring of a slot.
+/// Returns one parameter of the springs of a slot, one spring per lane.
 template <class Springs>
 Pack of_each(const Springs& springs, const SpringSlot& slot, Real NetSpring::*of_one) noexcept {
   const auto& n = slot.springs;
   return {springs[n[0]].*of_one, springs[n[1]].*of_one, springs[n[2]].*of_one, springs[n[3]].*of_one};
 }
 
-/// Linearisation of springs: at the predicted end of the stage, or (47).
+/// Linearisation of springs: at the predicted end of the stage, or majorised (47).
 enum class Springs { linear, majorised };
 
-/// Begins springs (41) with the ends x and x' apart at the predicted end of the stage.
+/// Begins springs (41). x, x_dot: vector between the ends, and its rate, at the predicted end of the stage.
 template <Springs as>
 void begin_slot(const Pack& k, const Pack& g, const Pack& l_0, const Vector3<Pack>& x,
                 const Vector3<Pack>& x_dot, Real h, SlotMass& K, Vector3<Pack>& J) noexcept {
   const Pack l_sq = x.squaredNorm(), l = sqrt(l_sq), h_k = k * h, h_g = g * h;
   const PackMask has_length = Pack(0) < l;
-  const Pack r = l / select(has_length, l_sq, Pack(1));  // while the root is evaluated
+  // 1 / l without the root, so that both are computed at once
+  const Pack r = l / select(has_length, l_sq, Pack(1));
   const Pack u_x = x[0] * r, u_y = x[1] * r, u_z = select(has_length, x[2] * r, Pack(1));
   const Pack a = as == Springs::majorised
                      ? h_k * h

@@ -14,8 +14,8 @@ struct BoxShape {
     return is_dimension(b.x()) && is_dimension(b.y()) && is_dimension(b.z());
   }
 
-  /// Returns the surface seen from p. Inside, that of the nearest face: of several the first of x, y, z; of
-  /// two opposite ones the positive.
+  /// Returns the surface seen from p. For p inside, that of the nearest face. Of equally near faces x
+  /// precedes y and z, and the positive face precedes its opposite.
   static SurfacePoint nearest(const ShapeParams& par, const Vec3& p, Real) noexcept {
     const Vec3& b = par.half_extents;
     const Vec3 beyond = p.cwiseAbs() - b;
@@ -43,8 +43,8 @@ struct BoxShape {
     const Pack scale = 1 / max(length, Pack(min_length));
     for (int k = 0; k < 3; ++k) n[k] = a[k] * scale;
   }
-  /// Computes distances and normals of four points. Inside, those of the face with the given outward normal,
-  /// one of the six.
+  /// Computes distances and normals of four points. For points inside, distance and normal are those of one
+  /// face, given by its outward normal exit_direction.
   static void nearest(const Vec3& half_extents, const Vector3<Pack>& p, const Vec3& exit_direction,
                       Pack& distance, Vector3<Pack>& n) noexcept {
     nearest(half_extents, p, distance, n);

@@ -130,7 +130,8 @@ struct HeightFieldShape {
     return {.distance = side * length, .n = direction(side * (p - q.p), length, n)};
   }
 
-  /// Tests the walls for p inside, without a lower end; their upper edges belong to the triangles.
+  /// Updates `best` for p inside if a wall is nearer. The walls have no lower end. Their upper edges belong
+  /// to the triangles.
   static void visit_walls(const HeightField& field, const Vec3& p, SurfacePoint& best) noexcept {
     const Vec3 end((field.columns - 1) * field.spacing, (field.rows - 1) * field.spacing, 0);
     for (int k = 0; k < 2; ++k) {

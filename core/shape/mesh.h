@@ -24,7 +24,7 @@ struct MeshGrid {
   Vec3 origin = Vec3::Zero();
   Real spacing = 0;                      // m
   std::array<std::uint32_t, 3> num{};    // cells along x, y, z
-  std::span<const std::uint32_t> start;  // of each cell in `triangles`, and one past the last
+  std::span<const std::uint32_t> start;  // start of each cell in `triangles`, and one past the last
   std::span<const std::uint32_t> triangles;
 
   /// Returns the index along an axis of the cell that contains x, clamped to the first and last.

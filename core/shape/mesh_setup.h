@@ -17,7 +17,7 @@ enum class MeshInvalid : std::uint8_t {
   folded,               // two triangles on an edge, or all on a vertex, cancel each other's normals
   inside_out,           // encloses a negative volume: clockwise triangles
   normals_full,         // a per-triangle or per-vertex array is shorter than the mesh
-  spacing,              // of the grid, not positive or not finite
+  spacing,              // the spacing of the grid is not positive or not finite
   cells_full,           // `number` cells needed: storage for one more, or a wider spacing
   cell_triangles_full,  // `number` entries needed
 };

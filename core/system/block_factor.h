@@ -89,8 +89,8 @@ void project_on_axes(std::uint32_t k, const BlockJoint& joint, System& w) noexce
   w.A_kk[k] = along_axes(w.A_kk[k], joint);
 }
 
-/// Subtracts the products of block Z_j of column k, number c, from all blocks of later columns (31). columns:
-/// of k.
+/// Eliminates with one block of column k (31): block number c, Z_j. Subtracts its products with the blocks of
+/// column k from the later columns. columns: number of columns of k.
 template <int columns, class System>
 void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
   const std::uint32_t j = w.row[c], end = w.first[j + 1];

@@ -1,4 +1,4 @@
-// Jointed unknown in the factor: its column is that of the joint's coordinates.
+// Jointed unknown in the factor. Its block column is over the coordinates of the joint.
 //
 // When body c is eliminated, its children are eliminated already, and only its joint to body p remains. With
 // V_c = X V_p + S q', a congruence of the whole matrix,

@@ -63,7 +63,7 @@ class BlockOrder {
     w_.neighbours[i].erase(next);
     w_.degree[i] = degree_of(i);
   }
-  /// Returns the size of the neighbourhood of an unknown, in threes.
+  /// Returns the size of the neighbourhood of an unknown, in blocks of three rows.
   std::uint32_t degree_of(std::uint32_t i) const noexcept {
     if constexpr (System::jointed) {
       if (w_.remaining_children[i] > 0) return not_ready;
@@ -140,7 +140,7 @@ void order(System& w) noexcept {
   w.is_complete = find.find_complete();
   if (!w.is_complete) find.find_incomplete();
 
-  for (std::uint32_t k = 0; k < w.size; ++k) w.degree[w.order[k]] = k;  // by place: the number
+  for (std::uint32_t k = 0; k < w.size; ++k) w.degree[w.order[k]] = k;  // elimination number of each place
   std::uint32_t b = 0;
   for (std::uint32_t k = 0; k < w.size; ++k) {
     w.first[k] = b;

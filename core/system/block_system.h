@@ -18,7 +18,7 @@ namespace godobject {
 /// Two unknowns that a term couples, by A_ij; A_ji is its transpose.
 struct BlockEntry {
   std::uint32_t i = 0, j = 0;  // unknowns
-  std::uint32_t slot = 0;      // of the system's blocks, or no_slot
+  std::uint32_t slot = 0;      // index of the system's block, or no_slot
   SpatialMatrix A;             // value, if the factor is incomplete
 };
 inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
@@ -27,18 +27,17 @@ inline constexpr std::uint32_t no_slot = ~std::uint32_t(0);
 struct BlockJoint {
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
   bool is_free = true;              // true if it has no parent
-  std::uint32_t parent = on_world;  // unknown
+  std::uint32_t parent = on_world;  // unknown number of the parent
   int num_axes = 0;
-  Column d;                         // from the parent to this one
-  std::array<SpatialVector, 3> s;   // at this one
+  Column d;                         // vector from the parent to this unknown
+  std::array<SpatialVector, 3> s;   // axes S, at this unknown
   std::array<Real, 3> D_inverse{};  // pivots of the coordinates, once factored
 
   bool has_parent() const noexcept { return !is_free && parent != on_world; }
 };
 
-/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. Of the unknowns the
-/// first max_bodies are bodies, the others nodes. always_keeps: loaded values are kept for any kind of
-/// solution.
+/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. The first max_bodies
+/// unknowns are bodies, the others nodes. always_keeps: loaded values are kept, also with a complete factor.
 template <std::size_t max_bodies_, std::size_t max_nodes_, std::size_t max_entries_, std::size_t room_,
           bool jointed_, bool always_keeps_ = false>
 struct BlockSystem {
@@ -51,29 +50,29 @@ struct BlockSystem {
   using Vector = std::array<SpatialVector, max_unknowns>;
   using Set = BitSet<max_unknowns>;
 
-  // unknowns of the system, by place in the order of adding, until they are numbered in elimination order
+  // unknowns in the order of adding, indexed by place; then numbered in elimination order
   std::uint32_t size = 0;
   std::array<std::uint32_t, max_unknowns> unknown, number_of;
   std::uint32_t num_entries = 0;
   std::array<BlockEntry, max_entries> entries;
-  // by unknown
+  // indexed by unknown
   Vector b;
   [[no_unique_address]] std::conditional_t<jointed, std::array<BlockJoint, max_unknowns>, Absent<14>> joints;
 
-  // by number, A_kk and the blocks A_ik of each column by rising rows: first as loaded, then L D L^T, (31),
-  // Z_i
+  // indexed by elimination number: A_kk, and the blocks A_ik of each column, rows ascending. They hold the
+  // loaded values, then the factors L D L^T and Z_i (31)
   std::array<SymmetricSpatialMatrix, max_unknowns> A_kk;
   std::array<Pivot, max_unknowns> pivots;
   std::array<std::uint32_t, max_unknowns + 1> first;
   std::array<std::uint32_t, room> row;
-  std::array<bool, room> is_fill;  // zero but for elimination
+  std::array<bool, room> is_fill;  // true if the block is zero before elimination
   std::array<SpatialMatrix, room> Z;
   // false if blocks without room are left out; conjugate gradients then need A and entries as loaded
   bool is_complete = true;
   std::array<SymmetricSpatialMatrix, max_unknowns> A;
   std::array<SpatialVector, max_unknowns> root_diagonal;
 
-  // of the numbering, by place
+  // storage for the numbering, indexed by place
   std::array<Set, max_unknowns> neighbours;
   std::array<std::uint32_t, max_unknowns> degree, order;
   [[no_unique_address]] std::conditional_t<jointed, std::array<std::uint32_t, max_unknowns>, Absent<15>>

@@ -57,13 +57,13 @@ void keep_balance(const System& system, Vectors& x) noexcept {
   });
 }
 
-/// Iterates from the best multiple of V_0, with all directions conjugate to it. Every iterate keeps the
-/// energy balance of the exact solution, as from rest:
+/// Iterates from the best multiple of V_0, with all directions conjugate to V_0. Every iterate then has the
+/// energy balance of the exact solution, as iterations from V = 0 do:
 ///
 ///   (28)  V^T A V = V^T b
 ///
-/// Rounding errors of it are corrected at the end. A direction without a length ends the iteration. Every
-/// step is the best one along its direction. The system keeps its loaded values: is_complete is false.
+/// Rounding errors of this balance are corrected at the end. A direction without a length ends the iteration.
+/// Each step length is optimal along its direction. The system keeps its loaded values: is_complete is false.
 /// speed_sq(u, V): squared speed of unknown u at V. tolerance: m/s; the iteration ends when all speeds are
 /// below it.
 template <class System, class Vectors, class Speed>
@@ -96,9 +96,7 @@ Iterated iterate(int iteration_limit, Real tolerance, const System& system, Vect
     });
     // coupled: residual exactly zero, as of a net at rest
     converged = System::is_coupled ? rz == 0 : iterations > 0 && error_sq <= tolerance * tolerance;
-    if (converged || !(rz > 0))
-      break;  // otherwise the factor has lost its last digits, and no direction
-              // remains
+    if (converged || !(rz > 0)) break;  // unless converged: the preconditioner has lost its precision
     const Real mu = norm_0 > 0 ? AV_0_z / norm_0 : 0, beta = rz / last;
     last = rz;
     system.each([&](auto u) noexcept {

@@ -10,7 +10,7 @@ namespace godobject {
 /// Point on a body, on a node (p is zero then), or of the world.
 struct SpringEnd {
   std::uint32_t on = TermEnds::on_world;
-  Vec3 p = Vec3::Zero();  // from the centre of mass in body axes, or in the world, m
+  Vec3 p = Vec3::Zero();  // place from the centre of mass in body axes, or in the world, m
 };
 
 /// Parameters of a spring. With the ends x apart, l = |x|, u = x / l, the force on b, opposite to that on a,
@@ -18,7 +18,7 @@ struct SpringEnd {
 ///
 ///   (36)  F = -k (l - l_0) u - g (u . x') u;   of no rest length, -k x - g x'
 struct DampedSpringParams {
-  SpringEnd a, b;  // a may be of the world
+  SpringEnd a, b;  // a may be a point of the world
   Real k = 0;      // N/m
   Real g = 0;      // N s/m
   Real l_0 = 0;    // rest length, m
@@ -37,7 +37,7 @@ bool is_valid(const DampedSpringParams& par, Exists exists) noexcept {
 /// spring shorter than l_0, is left out.
 struct SpringStage {
   TermEnds ends;
-  Column r_a, r_b;  // from the centres of mass, world axes
+  Column r_a, r_b;  // levers from the centres of mass, world axes
   Column F_0;       // force on b at the start of the stage
   Column J;
   Block K;

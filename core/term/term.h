@@ -4,8 +4,8 @@
 //   using Terms = TermList<DampedSprings<4>>;
 //
 // Kinds of terms are a file each, such as damped_spring.h; this file has the list of the kinds of a scene.
-// Members of a kind: max, the largest number of its terms; Param, the parameters of one; Stage, one in a
-// stage.
+// Members of a kind: max, the capacity for its terms; Param, the parameters of one term; Stage, the data of
+// one term in a stage.
 // ends(): bodies or nodes that it couples. begin(): linearises it about the predicted end of the stage.
 // load(): adds it to the block system. each_impulse(): its impulses at the velocities of the end.
 #pragma once

@@ -33,7 +33,7 @@ class BoardNodes {
   void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept;
   /// Receives a frame from the host.
   void send(const CanFrame& frame, Nanoseconds now) noexcept;
-  /// Returns the oldest frame to the host whose end on the wire is past.
+  /// Returns the oldest frame to the host whose transmission has ended by `now`.
   [[nodiscard]] bool try_receive(ReceivedFrame& out, Nanoseconds now) noexcept;
   /// Returns the next time at which try_receive() has a frame, unless new input comes first; nullopt if none
   /// is queued.

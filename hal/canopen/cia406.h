@@ -44,7 +44,7 @@ constexpr CanFrame make_position(std::uint8_t node, std::uint32_t position_count
 
 struct PositionAndSpeed {
   std::uint32_t position_counts = 0;
-  std::int16_t speed = 0;  // in a manufacturer-specific unit
+  std::int16_t speed = 0;  // speed in a manufacturer-specific unit
 };
 
 /// TPDO1 {6004h:32, 6030h:01:16}.

@@ -11,7 +11,7 @@ namespace godobject {
 struct DriveFeedback {
   JointSample position;  // joint coordinate
   double velocity = 0;   // velocity of the joint, rad/s or m/s, measured by the drive; 0 until received
-  double torque_Nm = 0;  // at the motor shaft
+  double torque_Nm = 0;  // torque at the motor shaft
   MotorState state = MotorState::unknown;
   bool internal_limit = false;   // the drive itself limits
   std::uint32_t error_code = 0;  // drive-specific; 0: none
@@ -22,8 +22,8 @@ struct DriveCommand {
   // without a frame, the next request carries the command, or nothing needs to be sent
   DriveFrame out;
   DriveOrder order;             // torque before the rounding of the protocol
-  bool torque_limited = false;  // by torque_max_Nm
-  bool rate_limited = false;    // by torque_rate_Nm_per_s
+  bool torque_limited = false;  // limited to torque_max_Nm
+  bool rate_limited = false;    // limited by torque_rate_Nm_per_s
 };
 
 class Drive {

@@ -31,14 +31,14 @@ enum class DriveGoal : std::uint8_t {
 
 struct DriveOrder {
   DriveGoal goal = DriveGoal::off;
-  double torque_Nm = 0;  // at the motor shaft; finite
+  double torque_Nm = 0;  // torque at the motor shaft; finite
 };
 
 /// Last values reported by a drive.
 struct DriveTelemetry {
   std::uint32_t position_counts = 0;  // two's complement if signed
   double velocity_counts_per_s = 0;   // measured by the drive; 0 until reported
-  double torque_Nm = 0;               // at the motor shaft; 0 until reported
+  double torque_Nm = 0;               // torque at the motor shaft; 0 until reported
   MotorState state = MotorState::unknown;
   bool internal_limit = false;   // the drive itself limits
   std::uint32_t error_code = 0;  // drive-specific; 0: none

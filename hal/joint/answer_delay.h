@@ -1,4 +1,4 @@
-// How many periods late a node's answers to SYNC are. One object per encoder or drive.
+// Delay of a node's answers to SYNC, in periods. One object per encoder or drive.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,9 @@ namespace godobject {
 /// delay may have shrunk.
 ///
 /// A lost frame near a mark looks like the mark. So a delay is accepted if two marks in a row agree, and one
-/// beyond reach after three. The mark itself is then a missing answer without explanation, which leads to the
-/// next measurement. Two answers in one cycle are jitter and can fill the cycle of a mark: near them no
-/// longer delay is accepted.
+/// beyond reach after three. If a lost frame was taken for the mark, the missing answer of the mark itself is
+/// unexplained and causes the next measurement. Two answers in one cycle are jitter and can fill the cycle of
+/// a mark. Near them, no longer delay is accepted.
 class AnswerDelay {
  public:
   /// SYNCs between two marks, at least; for so long two answers in one cycle count as jitter.
@@ -27,8 +27,7 @@ class AnswerDelay {
   /// Marks in a row that must not be seen within reach before a delay beyond it is accepted.
   static constexpr int needed_beyond = 3;
 
-  /// every_nth: the node answers at least every so many SYNCs. reach: greatest delay that is measured,
-  /// periods.
+  /// every_nth: the node answers at least every n-th SYNC. reach: greatest delay that is measured, periods.
   AnswerDelay(std::uint64_t every_nth, std::uint64_t reach) noexcept : every_nth_(every_nth), reach_(reach) {}
 
   /// sync: number of the SYNC that is left out at time `now`, ns.
@@ -59,7 +58,7 @@ class AnswerDelay {
   /// Accepted delay, periods; reach + 1: more than reach.
   std::uint64_t periods() const noexcept { return periods_; }
   bool beyond_reach() const noexcept { return periods_ > reach_; }
-  /// True until a mark has shown the delay, and after any answer that has changed it or was lost.
+  /// True until the delay is measured, and again after a missing or surplus answer.
   bool in_doubt() const noexcept { return in_doubt_; }
   /// True once it has been measured.
   bool is_measured() const noexcept { return is_measured_; }
@@ -76,8 +75,7 @@ class AnswerDelay {
   std::uint64_t longest() const noexcept { return reach_ + every_nth_ + 1; }
 
  private:
-  // Compares an answer with the cycle in which it was due. After a mark, answers to every n-th SYNC are a
-  // period later: one cycle is missing.
+  // Compares an answer with the SYNC to which it was due. A mark explains one missing cycle after it.
   void compare(std::uint64_t sync, std::uint64_t due) noexcept {
     std::uint64_t missing = sync > due ? sync - due : 0;
     const bool is_marked = mark_ != 0 && sync > mark_;
@@ -130,7 +128,7 @@ class AnswerDelay {
   std::uint64_t distance_ = 0;      // the smaller of the last two gaps; 0: there are no two answers yet
   std::uint64_t last_ = 0;          // number of the last answer's SYNC
   std::uint64_t last_read_ = 0;     // number of the last SYNC when it was read
-  std::uint64_t mark_ = 0;          // number of the SYNC left out that is looked for; 0: none
+  std::uint64_t mark_ = 0;          // number of the left-out SYNC whose missing answer is expected; 0: none
   std::uint64_t measured_ = 0, periods_ = 0;
   bool in_doubt_ = true, is_measured_ = false;
   std::uint64_t jittered_ = 0;  // number of the last SYNC in whose cycle two answers came; 0: none

@@ -36,7 +36,7 @@ class SyncAttribution {
 
   /// Records a queued SYNC. sync: the requesting frame, first of its cycle.
   void sync_queued(Nanoseconds now, const CanFrame& sync = canopen::make_sync()) noexcept;
-  /// Counts a cycle without SYNC: frames from now on came in it, and answer an earlier one.
+  /// Records a cycle without SYNC. Frames received from now on answer an earlier SYNC.
   void sync_left_out(Nanoseconds now) noexcept;
   /// Attributes a frame. Call it with every received frame, of any node, in the order of the stamps. FD
   /// frames answer no SYNC if the bus has no data rate. Their stuffing is unknown; their computed beginning
@@ -52,7 +52,7 @@ class SyncAttribution {
 
  private:
   struct Sync {
-    Nanoseconds earliest_end_ns = 0;  // had the wire been free
+    Nanoseconds earliest_end_ns = 0;  // earliest end: if the wire was free
     Nanoseconds end_ns = 0;           // best estimate; of one left out, that of the one before
     bool left_out = false;
   };
@@ -69,7 +69,7 @@ class SyncAttribution {
   Nanoseconds sync_wire_time_ns_ = 0;
   Nanoseconds intermission_ns_;
   std::uint64_t num_syncs_ = 0;
-  std::vector<Sync> syncs_;  // the last ones; number i is at i modulo its size
+  std::vector<Sync> syncs_;  // the last SYNCs; SYNC number i is at index i modulo the size
 };
 
 }  // namespace godobject

@@ -80,6 +80,7 @@ struct NodeEvidence {
   bool silent = false;  // none for heartbeat_timeout
   std::uint8_t nmt_state = 0;
   bool answered = false;                        // its PDO or an answer to a request was received
+  bool delay_unknown = false;                   // SYNCs left out were not seen in its answers
   std::uint32_t own_state = 0, error_code = 0;  // DriveTelemetry of a drive
   bool has_own_state = false;
   std::uint64_t malformed = 0;  // frames since the rig began

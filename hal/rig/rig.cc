@@ -12,7 +12,7 @@ namespace {
 
 constexpr int max_refused_in_a_row = 3;
 
-/// Returns the fewest periods that are not shorter than a time.
+/// Converts a time to periods, rounded up.
 std::uint64_t periods_of(double time_s, double cycle_s) noexcept {
   constexpr double rounding = 1e-9;
   return static_cast<std::uint64_t>(std::ceil(time_s / cycle_s * (1 - rounding)));
@@ -200,7 +200,7 @@ void Rig::for_each_delay(std::size_t bus, Function&& function) noexcept {
     if (nodes_[drive.node].bus == bus) function(drive.delay);
 }
 
-// SYNC, or the requests; true when any was queued.
+// Queues SYNC, or the requests. Returns true if any was queued.
 bool Rig::ask(std::size_t bus, Nanoseconds now) noexcept {
   if (buses_[bus].protocol.canopen) {
     const bool queued = send(bus, canopen::make_sync());
@@ -224,7 +224,7 @@ bool Rig::ask(std::size_t bus, Nanoseconds now) noexcept {
 bool Rig::complete() const noexcept {
   const auto last_sync = [this](std::size_t node) { return buses_[nodes_[node].bus].syncs.num_syncs(); };
   const auto encoder_answered = [&](const EncoderOnBus& e) { return e.answered_sync == last_sync(e.node); };
-  // a drive may skip every_nth_sync - 1 of them, in its own phase
+  // a drive may skip every_nth_sync - 1 SYNCs, in its own phase
   const auto drive_answered = [&](const DriveOnBus& d) {
     return last_sync(d.node) - d.answered_sync < d.every_nth_sync;
   };
@@ -346,7 +346,9 @@ NodeEvidence Rig::evidence_of(const RigNode& node) const noexcept {
                    .answered = node.answered,
                    .malformed = node.malformed,
                    .last_malformed = node.last_malformed};
+  if (node.kind == NodeKind::encoder) out.delay_unknown = !is_known(encoders_[node.device].delay, node);
   if (node.kind != NodeKind::drive) return out;
+  out.delay_unknown = !is_known(drives_[node.device].delay, node);
   const DriveTelemetry& drive = drives_[node.device].drive.telemetry();
   out.own_state = drive.own_state;
   out.error_code = drive.error_code;

@@ -56,8 +56,8 @@ struct DeviceSample {
 
 /// Result of command(); bit i refers to RigParams::drives[i].
 struct CommandReport {
-  std::uint32_t torque_limited = 0;  // raise torque_max_Nm to allow more
-  std::uint32_t rate_limited = 0;    // raise torque_rate_Nm_per_s to allow more
+  std::uint32_t torque_limited = 0;  // limited to torque_max_Nm
+  std::uint32_t rate_limited = 0;    // limited by torque_rate_Nm_per_s
   std::uint32_t drive_limited = 0;   // the drive reports an internal limit
   std::uint32_t not_sent = 0;        // the bus refused the frame; the drive keeps its last target
 };
@@ -68,7 +68,7 @@ struct RigCounters {
   std::uint64_t frames = 0;
   std::uint64_t malformed = 0;          // wrong size or an undefined value
   std::uint64_t repeated = 0;           // repeated answers of a joint sensor to the same SYNC: not used
-  std::uint64_t foreign = 0;            // from no node of this rig
+  std::uint64_t foreign = 0;            // frames from no node of this rig
   std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
 };
 
@@ -108,8 +108,8 @@ class Rig {
 
   /// Sends the first frames of the cycle: SYNC on every bus, or a request to each drive if its protocol has
   /// no SYNC. Positions are sampled at their end. now: in the clock of the buses' receive stamps, ns. A bus
-  /// that refuses the frame has no SYNC in this cycle. A bus whose answers may be late has none
-  /// either. The host's heartbeat replaces it, and the missing answer shows the delay
+  /// that refuses the frame has no SYNC in this cycle. SYNC is also left out on a bus whose
+  /// answers may be late. The host's heartbeat replaces it, and the missing answer shows the delay
   /// (hal/joint/answer_delay.h).
   void sync(Nanoseconds now) noexcept;
   /// Decodes received frames, up to max_frames_per_receive per bus; the next call continues.
@@ -155,10 +155,13 @@ class Rig {
     BusProtocol protocol;
     SyncAttribution syncs;
     int refused_in_a_row = 0;
-    std::uint64_t longest_measurement;                                // of a delay, periods
-    std::uint64_t mark_distance;                                      // of SYNCs left out, periods at least
-    std::uint64_t last_mark = 0;                                      // number of the last SYNC left out
-    bool marked = false;                                              // in this cycle it was
+    // longest measurement of a delay, periods
+    std::uint64_t longest_measurement;
+    // least distance of two left-out SYNCs, periods
+    std::uint64_t mark_distance;
+    std::uint64_t last_mark = 0;  // number of the last SYNC left out
+    // true if the SYNC of this cycle was left out
+    bool marked = false;
     std::array<std::uint8_t, canopen::max_node_id + 1> node_of_id{};  // index into nodes_ plus 1; 0: none
   };
   struct EncoderOnBus {
@@ -175,7 +178,7 @@ class Rig {
     std::uint64_t every_nth_sync;
     AnswerDelay delay;
     std::uint64_t answered_sync = 0;
-    bool request_refused = false;  // in this cycle
+    bool request_refused = false;  // true if the bus refused the request of this cycle
     double max_slip = 0;           // rad or m; 0: not compared with an encoder
     double apart = 0;              // the joint's encoder minus its position, as before ready; rad or m
     Nanoseconds t_agreed_ns = 0;   // time of the last difference within max_slip
@@ -272,7 +275,7 @@ class Rig {
   std::array<Measured, max_joints> measured_{};
 
   RigState state_ = RigState::off;
-  RigState before_fault_ = RigState::off;  // in fault: the state in which the first fault was raised
+  RigState before_fault_ = RigState::off;  // state in which the first fault was raised; used in fault only
   Nanoseconds now_ns_ = 0;                 // time of the present call
   Nanoseconds boot_started_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;

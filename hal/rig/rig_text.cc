@@ -52,6 +52,9 @@ std::string boot_text(const NodeEvidence& seen, const RigNode& node) {
                              : node.kind == NodeKind::drive  ? "TPDO1 with its status"
                                                              : "TPDO1 with its position";
   if (!seen.answered) text += std::string(", no ") + answer + " was received";
+  else if (seen.delay_unknown)
+    text +=
+        ", its answers came without requests or later than stale_after: set TPDO1's transmission type to 1";
   return text;
 }
 

@@ -11,7 +11,7 @@ namespace godobject {
 
 /// Mechanics of a joint of the device and of the hand that moves it. The defaults are for a hinge.
 struct JointPlant {
-  double inertia = 1e-3;       // at the joint, kg m^2 or kg
+  double inertia = 1e-3;       // inertia at the joint, kg m^2 or kg
   double damping = 1e-2;       // viscous, without the hand, N m s/rad or N s/m
   double friction = 1e-3;      // Coulomb, N m or N
   double hand_stiffness = 20;  // stiffness of the user's arm, N m/rad or N/m

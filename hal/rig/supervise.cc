@@ -172,7 +172,7 @@ bool Rig::booted(const RigNode& node, Nanoseconds now) const noexcept {
   return !at.encoder.stale(now) && at.encoder.trusted() && is_known(at.delay, node);
 }
 
-// True also if a delay cannot be measured: in a log, and if nodes send positions without a request.
+// True if the delay is measured, or cannot be: in a log, and if nodes send positions without a request.
 bool Rig::is_known(const AnswerDelay& delay, const RigNode& node) const noexcept {
   const Bus& on = buses_[node.bus];
   return delay.is_measured() || !on.bus->is_live() || !on.protocol.answers_only;

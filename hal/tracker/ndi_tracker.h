@@ -90,11 +90,11 @@ class NdiTracker final : public Tracker {
   bool use_text_ = false;            // use TX, because the firmware has no BX
   bool plain_start_ = false;         // TSTART without a parameter
   bool by_default_rate_ = true;      // this attempt begins with a break at 9600 bit/s
-  Nanoseconds deadline_ = 0;         // for the reply
-  Nanoseconds not_before_ = 0;       // for the next command
+  Nanoseconds deadline_ = 0;         // deadline of the reply
+  Nanoseconds not_before_ = 0;       // earliest time of the next command
   Nanoseconds quiet_until_ = 0;      // latest end of the wait for the rest of a broken reply
   Nanoseconds t_reply_ = 0;          // arrival of the first byte of the reply
-  Nanoseconds boot_deadline_ = 0;    // for tracking to begin
+  Nanoseconds boot_deadline_ = 0;    // deadline for tracking to begin
   int tries_ = 0;                    // attempts of this step; polls since the last answer
   int num_unanswered_ = 0;           // polls
   Nanoseconds t_polled_ = 0;         // time of the last poll

@@ -11,7 +11,7 @@ namespace {
 constexpr Nanoseconds millisecond = 1'000'000;
 // pause between commands, because neither model answers
 constexpr Nanoseconds command_period = 60 * millisecond;
-constexpr Nanoseconds record_patience = 1000 * millisecond;  // for the first record, and then for each
+constexpr Nanoseconds record_patience = 1000 * millisecond;  // limit for the first record, and then for each
 constexpr double max_speed = 10;                             // m/s
 constexpr double max_jump = 0.02;                            // m, independent of the time between two records
 // consecutive records; the next one is accepted as real motion

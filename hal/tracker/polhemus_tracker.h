@@ -52,9 +52,9 @@ class PolhemusTracker final : public Tracker {
   std::array<std::uint32_t, max_tracked_tools> count_{};  // records per tool
   UnwrappedCount time_ms_;
   ClockMap clock_;
-  Nanoseconds not_before_ = 0;     // for the next command
-  Nanoseconds deadline_ = 0;       // for the next record
-  Nanoseconds boot_deadline_ = 0;  // for tracking to begin
+  Nanoseconds not_before_ = 0;     // earliest time of the next command
+  Nanoseconds deadline_ = 0;       // deadline of the next record
+  Nanoseconds boot_deadline_ = 0;  // deadline for tracking to begin
 };
 
 }  // namespace godobject

@@ -69,7 +69,7 @@ struct TrackerReport {
 struct LineRequest {
   enum class Kind : std::uint8_t { none, send, serial_break, set_baud };
   Kind kind = Kind::none;
-  std::span<const std::uint8_t> bytes{};  // to send; valid until the next call
+  std::span<const std::uint8_t> bytes{};  // bytes to send; valid until the next call
   std::uint32_t baud = 0;
 };
 

@@ -14,7 +14,7 @@ namespace godobject {
 
 /// One period of a run, passed to the devices of a session in their order.
 struct Period {
-  double t = 0;                  // of the motion, s
+  double t = 0;                  // time of the motion, s
   double step = 0;               // s
   Nanoseconds began_before = 0;  // start of the period before, ns
   Nanoseconds began = 0;         // start of this period on the devices' clock, ns

@@ -39,7 +39,7 @@ class DevicePhases {
   void advance(double t) noexcept;
   /// Starts a period that is a step. t: time of the motion, s.
   Period& begin(double t) noexcept;
-  /// Enters running_down from booting or running; ended if no device makes torque or before start().
+  /// Enters running_down from booting or running. Enters ended if no device makes torque, or before start().
   void stop() noexcept;
   /// stop() without running down.
   void quick_stop() noexcept;

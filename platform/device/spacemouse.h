@@ -40,7 +40,7 @@ class SpaceMouse final : public HandDevice {
   // State of the thread:
   StreamedSample sent_;
   Vec3 v_W_ = Vec3::Zero(), w_W_ = Vec3::Zero();
-  Nanoseconds t_event_ = 0;  // of the last motion
+  Nanoseconds t_event_ = 0;  // time of the last motion event
 
   // State of the loop:
   bool hold_pressed_ = false;

@@ -21,7 +21,7 @@ struct StreamedSample {
   Pose X_WD;
   State state = State::rests;
   std::uint32_t path = 0;     // a changed number starts a new path at another place
-  HoldWish wish{};            // of a hand that selects the held body
+  HoldWish wish{};            // body to hold, from a hand that selects it
   bool clutch = true;         // closed
   std::uint32_t presses = 0;  // counts presses of the grip button
   Nanoseconds t = 0;

@@ -20,7 +20,7 @@ struct TrackedPose {
   bool valid = false;  // true if the tool is visible and its newest sample is young enough
   bool seen = false;   // true once it was valid
   ToolState state = ToolState::unseen;
-  Nanoseconds age = 0;  // of the newest sample
+  Nanoseconds age = 0;  // age of the newest sample, ns
 };
 
 class TrackedPoses {
@@ -41,11 +41,11 @@ class TrackedPoses {
 
  private:
   struct Tool {
-    std::size_t tracker = 0, index = 0;  // in its reports
-    Pose X_WT, X_TH;                     // of the tracker, and of the target on the tool
+    std::size_t tracker = 0, index = 0;  // tracker, and index of the tool in its reports
+    Pose X_WT, X_TH;                     // poses of the tracker, and of the target on the tool
     OneEuro filter;
     PoseTrack track;
-    std::uint32_t number = 0;  // of the last sample that was used
+    std::uint32_t number = 0;  // number of the last sample that was used
     Nanoseconds t = 0;         // its time
   };
 

@@ -35,8 +35,8 @@ struct BodyView {
   Target target;      // target of the body (relative devices: accumulated so far)
   Wrench feedback_D;  // displayed to the hand
   Wrench coupling_B;  // coupling wrench at the end of the step (2); only from view()
-  Wrench joint_C;     // of its joint on the body, at the joint's anchor on it; mean over the step
-  Wrench contact_W;   // of all its contacts, about its centre of mass; mean over the step
+  Wrench joint_C;     // wrench of its joint on the body, about the joint's anchor on it; mean over the step
+  Wrench contact_W;   // sum of its contact wrenches, about its centre of mass; mean over the step
 };
 
 /// A contact that bears a force. The force acts on a sphere or shape edge of body a, or on node a of the
@@ -44,7 +44,7 @@ struct BodyView {
 struct ContactView {
   std::size_t a = 0, b = world;  // bodies; b: or world
   bool is_node = false;          // true if a is the number of a node
-  std::size_t surface = 0;       // of SceneContacts::surfaces, if b is the world
+  std::size_t surface = 0;       // index in SceneContacts::surfaces, if b is the world
   Vec3 p_W = Vec3::Zero();       // contact point, m
   Vec3 n_W = Vec3::UnitZ();      // normal, out of b
   Vec3 F_W = Vec3::Zero();       // force on a, N; mean over the step
@@ -69,7 +69,7 @@ struct StepReport {
 
 /// Memory of one part of a composition, for all of the composition's bodies.
 struct PartBytes {
-  std::string name;  // of the slot in the scene type: "coupling"
+  std::string name;  // name of the slot in the scene type: "coupling"
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
 };
 
@@ -78,7 +78,7 @@ struct Composition {
   std::string name;  // "rigid-1 tr-bdf2"
   std::string integrator;
   std::size_t max_bodies = 0;
-  bool joints = false;  // with all features of joints
+  bool joints = false;  // true if it has all features of joints
   ContactScope contacts = ContactScope::none;
   std::size_t max_spheres = 0, max_surfaces = 0, max_contacts = 0;
   std::size_t max_nodes = 0, max_springs = 0, max_node_contacts = 0,

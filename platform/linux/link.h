@@ -15,9 +15,9 @@
 namespace godobject {
 
 struct LinkTiming {
-  Histogram added_latency_ns;  // from the stamp of the last received frame of a cycle to the sending of its
-                               // commands
-  Histogram sync_jitter_ns;    // of the time between the SYNCs of consecutive cycles
+  // time from the stamp of the last received frame of a cycle to the sending of its commands
+  Histogram added_latency_ns;
+  Histogram sync_jitter_ns;  // deviation of the time between the SYNCs of consecutive cycles
 };
 
 /// Link on real buses. Its clock is CLOCK_MONOTONIC, as that of the receive stamps.
@@ -43,7 +43,7 @@ class LinuxLink final : public RigLink {
   const LinkTiming& timing() const noexcept { return timing_; }
 
  private:
-  /// Frames of the rig pass both; PacedCanBus holds those that a full bus refuses.
+  /// Frames of the rig pass through both members; `paced` holds those that a full bus refuses.
   struct End {
     End(std::unique_ptr<LinuxBus> bus, std::size_t index) : watched(std::move(bus), index), paced(watched) {}
     WatchedBus watched;

@@ -107,7 +107,7 @@ class SerialPort {
   SerialState state_ = SerialState::closed;
   LowLatency low_latency_ = LowLatency::not_requested;
   int latency_error_ = 0;                  // errno of the request
-  std::optional<int> latency_timer_ms_{};  // of the USB adapter, as read back
+  std::optional<int> latency_timer_ms_{};  // latency timer of the USB adapter, as read back
   int error_ = 0;                          // errno that ended the connection
   SlowCalls slow_calls_{};
   std::string path_{};

@@ -38,8 +38,8 @@ struct MotionResult;
 /// the device itself. Evaluation does not allocate.
 class Motion {
  public:
-  /// Makes the scene's own [motion]: of the device's joints, whose handles move their bodies, or of the first
-  /// driven body. Other bodies rest at their start, as does the first in a scene without [motion].
+  /// Makes the scene's own [motion], which moves the device's joints, and by their handles the bodies, or the
+  /// first driven body. All others rest at their start, as does the first in a scene without [motion].
   explicit Motion(const SceneConfig& scene);
 
   /// Reads a table with columns t (s, strictly increasing) and, for every driven body,
@@ -57,7 +57,7 @@ class Motion {
   ///
   /// A trace of a run of this scene is such a table, see from_trace.h.
   static MotionResult read(const std::string& path, const SceneConfig& scene);
-  /// As read for a text.
+  /// Parses a text as read() does.
   /// file: name in messages.
   static MotionResult parse(std::string_view csv, const std::string& file, const SceneConfig& scene);
 
@@ -92,7 +92,7 @@ class Motion {
 
   std::vector<Pose> starts_;                   // one per driven body
   std::optional<MotionConfig> built_in_;       // motion of body 0
-  std::vector<CoordinateMotion> joint_sines_;  // of the scene, one per joint of the device
+  std::vector<CoordinateMotion> joint_sines_;  // motions of the scene, one per joint of the device
   std::optional<KinematicTree> tree_;
   std::vector<std::optional<std::size_t>> handles_;  // handle of each driven body
   std::optional<TimeGrid> grid_;                     // times of a table, which fills one of:

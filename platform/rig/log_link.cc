@@ -31,6 +31,8 @@ std::string LogLink::read(std::span<const LogSource> sources) {
   for (const std::string& path : paths)
     if (std::string why_not = read_file(path, sources); !why_not.empty()) return why_not;
   add_cycles_without_sync();
+  end_ = std::min(end_, shut_down_);
+  for (const std::unique_ptr<LoggedBus>& bus : buses_) bus->end_at(end_);
   const auto first = std::ranges::min_element(buses_, {}, [](const auto& bus) { return bus->next(); });
   if ((*first)->next() == end_of_time)
     return paths.front() +
@@ -101,9 +103,18 @@ void LogLink::add(std::size_t bus, const ReceivedFrame& frame) {
       begins_.push_back(began);
   } else if (!is_of_host(bus, frame.frame)) {
     buses_[bus]->add(frame);
+  } else if (canopen::Nmt nmt; canopen::parse_nmt(frame.frame, nmt) == ParseResult::ok) {
+    note_nmt(nmt.command, frame.t_ns);
   } else if (frame.frame.id == canopen::heartbeat_cob_id(rig_.host_node_id) && bus == first_bus_) {
     heartbeats_.push_back(frame.t_ns - wire_time(bus, frame.frame));
   }
+}
+
+/// Notes when the host that wrote the log has shut the nodes down: its command after a cycle, with no start
+/// later.
+void LogLink::note_nmt(canopen::NmtCommand command, Nanoseconds t) noexcept {
+  if (command == canopen::NmtCommand::start) shut_down_ = end_of_time;
+  else if (!begins_.empty()) shut_down_ = std::min(shut_down_, t);
 }
 
 /// Adds the cycles in which the host has left SYNC out: its heartbeat then stands alone between two SYNCs.

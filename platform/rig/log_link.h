@@ -22,7 +22,8 @@ struct LogSource {
 /// Replays logs as a RigLink. A cycle begins at each SYNC of the log, or at the host's heartbeat if SYNC was
 /// left out. For a rig without CANopen it begins at the first request. After the last one, cycles follow at
 /// the period. Frames of the host that wrote the log are left out, because a host does not receive its own
-/// frames. Frames before its first cycle are left out too, because they configured the nodes.
+/// frames. Frames before its first cycle are left out too, because they configured the nodes. So are those
+/// after its last command to leave Operational, because they belong to the end of its run.
 class LogLink final : public RigLink {
  public:
   /// period: duration of a cycle without a SYNC, ns.
@@ -54,6 +55,9 @@ class LogLink final : public RigLink {
     bool is_live() const noexcept override { return false; }
 
     void add(const ReceivedFrame& frame) { frames_.push_back(frame); }
+    void end_at(Nanoseconds t) noexcept {
+      while (!frames_.empty() && frames_.back().t_ns > t) frames_.pop_back();
+    }
     void skip_to(Nanoseconds t) noexcept {
       while (next() < t) ++next_;
     }
@@ -74,6 +78,7 @@ class LogLink final : public RigLink {
   std::string choose(const std::string& path, std::span<const LogSource> sources,
                      const std::vector<std::string>& names, std::vector<std::size_t>& bus_of_name) const;
   void add(std::size_t bus, const ReceivedFrame& frame);
+  void note_nmt(canopen::NmtCommand command, Nanoseconds t) noexcept;
   void add_cycles_without_sync();
   Nanoseconds wire_time(std::size_t bus, const CanFrame& frame) const noexcept;
   bool begins_cycle(std::size_t bus, const CanFrame& frame) const noexcept;
@@ -81,11 +86,12 @@ class LogLink final : public RigLink {
 
   RigParams rig_;
   Nanoseconds period_, now_ = 0, began_ = 0, end_ = 0;
+  Nanoseconds shut_down_ = end_of_time;
   std::vector<std::unique_ptr<LoggedBus>> buses_;
   std::vector<CanBus*> ports_;
   bool has_canopen_ = false;
-  std::vector<Nanoseconds> begins_;      // of cycles, on the bus that had the first
-  std::vector<Nanoseconds> heartbeats_;  // of the host that wrote the log, on that bus
+  std::vector<Nanoseconds> begins_;      // starts of cycles, on the bus of the first one
+  std::vector<Nanoseconds> heartbeats_;  // heartbeats of the host that wrote the log, on that bus
   std::size_t first_bus_ = 0, next_begin_ = 0;
   Nanoseconds skipped_ = 0;
   BusObserver observer_;

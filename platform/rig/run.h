@@ -34,8 +34,8 @@ class RigRun {
     std::uint64_t steps = 0;
     std::uint64_t missed_deadlines = 0;
     std::string why_not;  // if no step was made: one line for each reason
-    std::string faults;   // of the rig, a line each
-    std::string signal;   // that ended the run
+    std::string faults;   // faults of the rig, one line each
+    std::string signal;   // signal that ended the run
     bool is_good() const noexcept { return steps > 0 && faults.empty(); }
   };
   /// Runs the rig in this thread; to be called once. Sets up the nodes, boots, steps once a period, and

@@ -48,7 +48,7 @@ class DeadlineWatch {
   }
 
   std::uint64_t window_;                    // periods
-  std::uint64_t period_ = 1;                // of the coming cycle
+  std::uint64_t period_ = 1;                // number of the coming period
   std::array<std::uint64_t, many> last_{};  // periods of the last misses; 0 if none
   std::size_t next_ = 0;
   std::uint64_t in_a_row_ = 0;

@@ -57,7 +57,7 @@ void unblock_deadly_signals() noexcept {
 std::span<const SignalRow> signal_rows() noexcept { return rows; }
 
 void guard_process() {
-  static const SignalStack stack;  // of the main thread
+  static const SignalStack stack;  // stack for signal handlers of the main thread
   LastResort::install();
   unblock_deadly_signals();
   struct sigaction ignore {};

@@ -75,7 +75,7 @@ class StopSignals {
   static inline std::atomic<int> signal_{0};
   static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
                 "set in a signal handler");
-  struct sigaction former_[max_signals] {};  // of signal_rows()
+  struct sigaction former_[max_signals] {};  // former actions of the signals of signal_rows()
   bool caught_[max_signals]{};
 };
 

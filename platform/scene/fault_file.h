@@ -16,7 +16,7 @@ struct FaultsResult {
 
 /// Reads faults for this scene's rig.
 FaultsResult load_faults(const std::string& path, const SceneConfig& scene, const FaultChecks& checks = {});
-/// As load_faults for a text.
+/// Parses a text as load_faults() parses a file.
 /// file: name in messages.
 FaultsResult parse_faults(std::string_view toml, const std::string& file, const SceneConfig& scene,
                           const FaultChecks& checks = {});

@@ -90,8 +90,8 @@ struct BodyConfig {
   std::string name;
   double mass = 1;                         // kg, > 0
   Mat3 inertia = Mat3::Identity();         // kg m^2 about the centre of mass, body axes, positive definite
-  Pose X_WB;                               // at t = 0
-  Twist V_WB;                              // at t = 0
+  Pose X_WB;                               // pose at t = 0
+  Twist V_WB;                              // velocity at t = 0
   std::optional<CouplingConfig> coupling;  // absent: free
   std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
   std::vector<SphereConfig> spheres{};     // touch solids outside of its own tool

@@ -19,7 +19,7 @@ struct LoadResult {
 /// checks: checks by the simulator of the scene's device. By default there is none, and [[fault]] tables are
 /// only read.
 LoadResult load_scene(const std::string& path, const FaultChecks& checks = {});
-/// As load_scene for a text.
+/// Parses a text as load_scene() parses a file.
 /// file: name in messages.
 LoadResult parse_scene(std::string_view toml, const std::string& file, const FaultChecks& checks = {});
 

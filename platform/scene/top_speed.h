@@ -12,8 +12,8 @@
 // 042).
 //
 // Edges of boxes on two bodies cross without spheres, and are searched at the predicted end of a step.
-// Spheres are swept, so that a box leaves another by its face of entry. Boxes T / 2 deep in each other along
-// every axis cannot return. Measured with the fastest points of the boxes, pairs hold if
+// Spheres are swept, so that a box leaves another by its face of entry. Boxes that overlap by T / 2 along
+// every axis do not separate again. In tests with v of the fastest points of the boxes, pairs hold if
 //
 //   boxes:   h v < 0.3 T,  v < (T / 2) sqrt(k / m)
 //

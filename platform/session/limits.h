@@ -10,7 +10,7 @@
 namespace godobject {
 
 struct RunLimit {
-  std::string_view name;                           // in the summary, the report and the view
+  std::string_view name;                           // name in the summary, the report and the view
   bool (*is_active)(const CycleRecord&) noexcept;  // true if the limit was active in this cycle
   std::string_view remedy;  // for a run in which the limit is often active; empty: no warning
 };

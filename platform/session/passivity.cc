@@ -92,7 +92,7 @@ double SampledAxis::needed() const noexcept { return K * period_s * (0.5 + delay
 // State: q_k, q'_k, q_(k-1), and the pending torques u_(k-1) ... u_(k-delay).
 double growth_per_period(const SampledAxis& axis, double hand_stiffness, double hand_damping) {
   const double T = axis.period_s, m = axis.inertia;
-  Matrix A = Matrix::Zero(3, 3);  // of q, q', u over a period
+  Matrix A = Matrix::Zero(3, 3);  // matrix of q, q', u over a period
   A(0, 1) = T;
   A(1, 0) = -T * hand_stiffness / m;
   A(1, 1) = -T * (axis.damping + hand_damping) / m;

@@ -34,7 +34,7 @@ struct TargetSample {
 /// then does not allocate, so real-time threads may exchange them.
 struct CycleRecord {
   std::uint64_t cycle = 0;  // from 1
-  double t = 0;             // of the state, s
+  double t = 0;             // time of the state, s
   bool engaged = false;     // true while the device is engaged with the first driven body, or grips a body
   std::vector<BodyView> bodies;
   Fault fault = Fault::none;
@@ -70,8 +70,9 @@ struct CycleRecord {
   std::vector<TargetSample> targets;
   std::vector<double>
       joint_q;  // coordinates of the scene's joints, one joint after the other; turns are counted
-  std::vector<double> device_q;      // of the device's joints; NaN while unknown
-  std::vector<double> drive_torque;  // commanded, N m or N at the joint, one per RigParams::drives
+  std::vector<double> device_q;  // coordinates of the device's joints; NaN while unknown
+  // commanded torque, N m, or force, N, at the joint, one per RigParams::drives
+  std::vector<double> drive_torque;
 };
 
 }  // namespace godobject

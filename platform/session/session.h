@@ -33,8 +33,9 @@ enum class BusChoice : std::uint8_t {
 struct DeviceParts {
   std::unique_ptr<RigLink> buses;                      // null for a device without buses
   std::vector<std::unique_ptr<TrackerLink>> trackers;  // in the order of the scene's trackers
-  Nanoseconds (*clock)() noexcept = nullptr;           // of buses and trackers; null: one step per period
-  std::unique_ptr<Truth> truth;                        // of a simulated device, else null
+  // clock of buses and trackers; null: one step per period
+  Nanoseconds (*clock)() noexcept = nullptr;
+  std::unique_ptr<Truth> truth;  // exact state of a simulated device, else null
 };
 
 class Session {
@@ -67,7 +68,8 @@ class Session {
   /// Latches the fault that the loop missed so many deadlines in a row that the drives had no command.
   void deadlines_missed() noexcept;
   bool missed_deadlines() const noexcept { return deadlines_missed_; }
-  /// Enters running_down from booting or running; ended if there is no bus or the session has not started.
+  /// Enters running_down from booting or running. Enters ended if there is no bus or the session has not
+  /// started.
   void stop() noexcept { phases_.stop(); }
   /// stop() without running down: in the next period each drive removes its torque by its own fastest means,
   /// then it is disabled.
@@ -102,17 +104,17 @@ class Session {
     if (!phases_.boots()) return BusChoice::direct;
     return truth_ ? BusChoice::sim : BusChoice::real;
   }
-  /// Null without a bus.
+  /// Returns the rig; null without a bus.
   const Rig* rig() const noexcept { return rig_ ? &rig_->rig() : nullptr; }
-  /// Null without trackers.
+  /// Returns the tracked poses; null without trackers.
   const TrackedPoses* trackers() const noexcept { return trackers_ ? &trackers_->poses() : nullptr; }
   /// Returns sums over all rigs so far: see restart().
   RigCounters rig_counters() const noexcept { return rig_ ? rig_->counters() : RigCounters{}; }
-  /// The host's ends of the buses; empty without a bus.
+  /// Returns the host's ends of the buses; empty without a bus.
   std::span<CanBus* const> host_buses() const noexcept {
     return rig_ ? rig_->buses() : std::span<CanBus* const>{};
   }
-  /// Null unless the device is simulated.
+  /// Returns the exact state of a simulated device; null for any other.
   const Truth* truth() const noexcept { return truth_.get(); }
   /// Start of the present or last period on the clock of buses and trackers; 0 without either.
   Nanoseconds bus_time_ns() const noexcept { return phases_.period().began; }
@@ -162,13 +164,13 @@ class Session {
   std::optional<RigDevice> rig_;
   std::optional<TrackerDevice> trackers_;
   DevicePhases phases_;
-  std::optional<Grip> grip_;  // of a device that grips bodies; it uses the first driven body's samples
+  std::optional<Grip> grip_;  // grip of a device that grips bodies; it uses the first driven body's samples
 
   /// Position of the device in its last valid sample, world; NaN before the first, which no body is near to.
   Vec3 p_WD_ = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
   std::optional<WrenchSwings> swings_;
-  std::unique_ptr<Truth> truth_;  // of a simulated device
+  std::unique_ptr<Truth> truth_;  // exact state of a simulated device
   bool disengages_ = false;       // true after restart(): disengages all bodies for the next step
   bool on_hold_ = false, deadlines_missed_ = false;
   bool lists_contacts_ = false, lists_net_nodes_ = false;

@@ -22,7 +22,7 @@ class WrenchSwings {
  private:
   /// State of one force or torque.
   struct Shown {
-    double bound, largest_change;  // of the magnitude, and of its change in a step
+    double bound, largest_change;  // bounds of the magnitude, and of its change in a step
     std::array<SwingWatch, 3> watches;
     Vec3 last = Vec3::Zero();
 

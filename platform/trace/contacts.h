@@ -2,7 +2,7 @@
 //   t
 //   body, on      names; for a node the name of its net
 //   x y z         contact point
-//   nx ny nz      normal off `on`
+//   nx ny nz      normal, pointing away from `on`
 //   fx fy fz      force on `body`
 #pragma once
 

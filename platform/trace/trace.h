@@ -45,8 +45,8 @@ struct TraceBody {
 
 /// Columns of a driven body, in the order of driven_bodies().
 struct TraceDriven {
-  Wrench coupling;  // on the body, about its origin
-  Wrench feedback;  // on the hand, about the target's origin
+  Wrench coupling;  // wrench on the body, about its origin
+  Wrench feedback;  // wrench on the hand, about the target's origin
   Pose X_WD;        // the target
 };
 

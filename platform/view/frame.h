@@ -61,8 +61,9 @@ inline constexpr std::size_t joints_bytes = 16 + 4 * max_joints;
 struct JointsMessage {
   std::uint32_t number = 0;      // increases with each message of a connection
   bool holds = false;            // true while the page moves the joints; other pages are refused meanwhile
-  std::uint32_t num_joints = 0;  // of the scene's `coordinates`
-  std::array<double, max_joints> dq{};  // since the previous message, rad or m; 0 beyond num_joints
+  std::uint32_t num_joints = 0;  // number of the scene's `coordinates`
+  // displacements since the previous message, rad or m; 0 beyond num_joints
+  std::array<double, max_joints> dq{};
 };
 /// Largest displacement of a joint in a message, rad or m.
 inline constexpr double max_joint_shift = 1;

@@ -72,8 +72,8 @@ class JointPointer final : public HandDevice {
 
   // State of the view's thread:
   Sample sent_;
-  std::optional<std::uint64_t> client_;  // the one that moves the joints
-  std::uint32_t number_ = 0;             // of its last message
+  std::optional<std::uint64_t> client_;  // client that moves the joints
+  std::uint32_t number_ = 0;             // number of its last message
   Coordinates room_{};  // remaining displacement of each joint that is allowed at once, rad or m
 
   // State of the loop:

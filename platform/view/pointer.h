@@ -45,8 +45,8 @@ class PointerDevice final : public HandDevice {
 
   // State of the view's thread:
   StreamedSample sent_;
-  std::optional<std::uint64_t> client_;  // the one that holds a body
-  std::uint32_t number_ = 0;             // of its last message
+  std::optional<std::uint64_t> client_;  // client that holds a body
+  std::uint32_t number_ = 0;             // number of its last message
 };
 
 /// Replaces the scene's device by the pointer, which can grip any coupled body at any place; no other motion

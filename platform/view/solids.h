@@ -14,7 +14,7 @@ inline constexpr std::array solid_kind_names{"box", "sphere", "capsule", "cylind
 
 /// Meaning of a solid.
 enum class SolidRole : std::uint8_t {
-  shape,     // of a body
+  shape,     // a shape of a body
   inertia,   // the solid of equal mass and inertia, for a body without shapes
   contact,   // a contact sphere of a body
   obstacle,  // fixed in the world
@@ -25,8 +25,8 @@ struct Solid {
   SolidKind kind = SolidKind::box;
   SolidRole role = SolidRole::shape;
   std::optional<std::size_t> body{};  // absent: fixed in the world
-  std::string name{};                 // of the body or the obstacle
-  Pose X{};                           // of the solid on its body, or in the world
+  std::string name{};                 // name of the body or the obstacle
+  Pose X{};                           // pose of the solid on its body, or in the world
   // box: half extents; sphere: radius, -, -; capsule, cylinder about z: radius, half length, -
   Vec3 size = Vec3::Zero();
   std::size_t mesh = 0;  // index in Drawing::meshes

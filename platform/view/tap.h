@@ -16,10 +16,10 @@ struct ViewSample {
   RunPhase phase = RunPhase::off;
   bool missed_deadlines = false;  // latched
   RigCounters counters;
-  Nanoseconds wake_ns = 0;            // the longest since the previous sample
-  std::vector<ContactView> touching;  // with space for all; the first num_touching are valid
+  Nanoseconds wake_ns = 0;            // longest wake-up latency since the previous sample
+  std::vector<ContactView> touching;  // storage for all contacts; the first num_touching are valid
   std::size_t num_touching = 0;
-  std::vector<Vec3> net_nodes{};  // of all nets
+  std::vector<Vec3> net_nodes{};  // positions of the nodes of all nets
 };
 
 /// The loop's end is real-time: one atomic load without a request, else a copy without allocation.

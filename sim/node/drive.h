@@ -36,11 +36,12 @@ struct SimDriveParams {
 /// activates the RPDO1 received before. A command thus reaches the motor at the next SYNC, and the status
 /// reports the torque of the cycle that ends there. Torque is applied in Operation Enabled only.
 ///
-/// Without a configured watchdog the drive keeps its torque after the host is lost. Watchdogs: No RPDO1
-/// within its deadline (1400h:05, unless 0) while the power stage is on: fault, zero torque, EMCY 8250h. It
-/// acts at its own time, not with SYNC, and in NMT operational only. If the heartbeat named in 1016h stops,
-/// 6007h selects the reaction. Leaving NMT operational switches the power stage off. Quick stop removes the
-/// torque at once and ends in Switch On Disabled, or in Quick Stop Active if 605Ah is 5 to 7.
+/// Without a configured watchdog the drive keeps its torque after the host is lost. Watchdogs: The drive
+/// enters Fault with zero torque and sends EMCY 8250h if no RPDO1 arrives within its deadline (1400h:05,
+/// unless 0) while the power stage is on. The deadline is checked at any time, not only at SYNC, and in NMT
+/// operational only. If the heartbeat named in 1016h stops, 6007h selects the reaction. Leaving NMT
+/// operational switches the power stage off. Quick stop removes the torque at once and ends in Switch On
+/// Disabled, or in Quick Stop Active if 605Ah is 5 to 7.
 ///
 /// CSV and CSP (6060h; RPDO3, RPDO2) control the motor by a soft spring and damper within torque_max_Nm.
 /// Homing supports method 37 or 35 only: the present position becomes 607Ch. Any other method fails.

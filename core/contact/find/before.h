@@ -18,27 +18,28 @@ inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
   return static_cast<std::uint32_t>(key) & 0x7fff;
 }
 
-/// Returns the key of crossing edges: their boxes among those of their bodies, and the edges. Above the keys
-/// of all spheres.
+/// Returns the key of crossing edges, made of the box numbers within their bodies and the edge numbers. It is
+/// above the keys of all spheres.
 inline std::uint64_t edges_key(std::uint32_t box_a, std::uint32_t box_b, std::uint32_t edges) noexcept {
   return std::uint64_t(3) << 30 | box_a << 19 | box_b << 8 | edges;
 }
 inline bool is_of_edges(std::uint64_t key) noexcept { return (key >> 30 & 3) == 3; }
-/// Returns the key of sunk bodies: the axis along which they separate.
+/// Returns the key of a pair of sunk bodies, made of the number of the axis along which they separate.
 inline std::uint64_t sinking_key(std::uint32_t axis) noexcept { return std::uint64_t(1) << 30 | axis; }
 inline bool is_of_sinking(std::uint64_t key) noexcept { return (key >> 30 & 3) == 1; }
 
-/// Bit in the key of a contact of the pair's second body with a surface of the first.
+/// Bit of a key, set if the touching sphere is on the pair's second body and the surface on the first.
 inline constexpr std::uint64_t of_second = std::uint64_t(1) << 31;
 /// True if a sphere of the pair's second body touches the first.
 inline bool is_of_second(std::uint64_t key) noexcept { return (key & of_second) != 0 && !is_of_edges(key); }
 
 /// Overlap of a pair of bodies in the previous step.
 struct DeepPair {
-  bool spheres = false;                    // true if the rest penetration of a sphere exceeds its reach
-  bool pressed = false;                    // true if a contact spring is compressed, not of sunk boxes
+  bool spheres = false;  // true if the rest penetration of a sphere exceeds its reach
+  // true if a contact spring other than that of sunk boxes is compressed
+  bool pressed = false;
   std::uint32_t axis = SinkingAxis::none;  // axis along which they were sunk
-  Vec3 pushed_W = Vec3::Zero();            // normal force on the first by the second, N
+  Vec3 pushed_W = Vec3::Zero();            // normal force of the second body on the first, N
 };
 
 /// Looks up the previous overlap of pairs of bodies in rising order.
@@ -67,8 +68,8 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// Returns the surface seen from a point p that is or was inside a box. The face that carried the contact
-/// force before, else the nearest one.
+/// Returns the face of a box nearest to a point p that is or was inside it. The face that carried the contact
+/// force in the previous step takes precedence.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
                                 const ContactMemories<max_contacts>* of_stage, const PlacedShape& box,

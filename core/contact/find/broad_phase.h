@@ -35,7 +35,7 @@ struct BroadPhaseScratch {
   std::array<Aabb, max_bodies> boxes;
   std::array<Entry, max_bodies> entries, merged;
   std::array<AabbPack, (max_bodies + 3) / 4> sorted;
-  std::array<BitSet<max_bodies>, max_bodies> near;  // the result: of each body those with a higher number
+  std::array<BitSet<max_bodies>, max_bodies> near;  // result: near bodies with higher numbers, for each body
   std::size_t num_entries = 0;                      // bodies with spheres, all of them finite
 };
 

@@ -22,12 +22,12 @@ namespace godobject {
 struct EdgeCrossing {
   std::uint32_t edges = 0;  // numbers of the edges of a and of b
   Real d = 0;               // depth, m
-  Vec3 p_W, n_W;            // on the edge of a; off b
+  Vec3 p_W, n_W;            // contact point on the edge of a; normal, away from b
 };
 
-/// Returns the numbers of the next axes, of three.
+/// Returns the lanes rotated by one: lane j has the value of axis (j + 1) mod 3.
 inline Pack next(const Pack& a) noexcept { return shuffled<1, 2, 0, 0>(a, a); }
-/// Returns number j of a pack, or of a row.
+/// Returns lane j of a pack, or element j of a row.
 inline Real component(const Pack& a, int j) noexcept { return a[static_cast<std::size_t>(j)]; }
 inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
   return rows[static_cast<std::size_t>(row)];
@@ -37,7 +37,7 @@ inline const Pack& row_of(const std::array<Pack, 3>& rows, int row) noexcept {
 struct BoxOnBox {
   Vec3 h_a;                  // half extents of a
   Pack h_B;                  // half extents of b
-  Pack p_A, p_B;             // from a to b, in the frame of a and of b
+  Pack p_A, p_B;             // vector from a to b, in the frames of a and of b
   std::array<Pack, 3> R, E;  // rows of R_AB, and their absolute values
 
   BoxOnBox(const PlacedShape& a, const PlacedShape& b) noexcept
@@ -79,11 +79,12 @@ inline LeastFace least_face(const BoxOnBox& w) noexcept {
                          : Vec3(component(w.R[0], k), component(w.R[1], k), component(w.R[2], k))};
 }
 
-/// Edges of a box along one of its axes, on the side to which n points: two of the four. Lane j: edges that
-/// cross axis j of b. 1, 2: along the next axis of the box, and the one after it.
+/// Edges of a box parallel to one of its axes that n points to: two of the four. They differ in one of the
+/// box's other two axes, 1 or 2, and share the coordinate along the other. Lane j: edges that cross axis j of
+/// b.
 struct EdgesToSide {
-  PackMask first;  // true if the edges are the two sides along the next axis; else along the one after it
-  Pack h;          // half extent along that axis, along which n points out less
+  PackMask first;            // true if the edges differ in axis 1; otherwise in axis 2
+  Pack h;                    // half extent along the axis in which the edges differ
   Pack coordinate_on_other;  // coordinate of both edges along the other axis
   Pack less;                 // depth of the edge on the positive side minus that of the other
 
@@ -94,7 +95,7 @@ struct EdgesToSide {
     coordinate_on_other = select(first, select(n_2 < 0, -h_2, h_2), select(n_1 < 0, -h_1, h_1));
     less = 2 * select(first, out_1, out_2);
   }
-  /// Returns the depth by which the edge on this side is behind the deeper one.
+  /// Returns by how much the edge on the given side is less deep than the deeper of the two.
   Pack lost(bool positive) const noexcept { return max(positive ? -less : less, Pack(0)); }
   /// Returns the number of the edge, 0 to 3: two bits, its sides.
   std::uint32_t number(std::size_t j, bool positive) const noexcept {
@@ -108,8 +109,8 @@ struct EdgeAxes {
   int i, k, l;
   const Pack &R_i, &R_k, &R_l;
   Pack sine;     // length of n before normalisation
-  Pack between;  // distance of a and b along it, times the sine
-  Pack d;        // depth of the boxes along it
+  Pack between;  // distance of the centres of a and b along n, times the sine
+  Pack d;        // depth of the boxes along n
 
   EdgeAxes(const BoxOnBox& w, int axis) noexcept
       : i(axis),
@@ -144,7 +145,8 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
                          F f) noexcept {
   const EdgeAxes n(w, axis);
   const auto& [i, k, l, R_i, R_k, R_l, sine, between, d] = n;
-  const Pack along_face = abs(R_k * face_A[l] - R_l * face_A[k]);  // the cosine, times the sine
+  // cosine between n and the normal of the face, times the sine
+  const Pack along_face = abs(R_k * face_A[l] - R_l * face_A[k]);
   const std::uint32_t near =
       n.cross() & bits(Pack(-reach) < d) & (bits(d <= Pack(most)) | bits(same_normal * sine < along_face));
   if (near == 0) return;
@@ -156,11 +158,11 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
   const Pack a_b = select(a.first, R_k, R_l), a_b_other = select(a.first, R_l, R_k);
   const Pack b_a = select(b.first, next(R_i), next(next(R_i))),
              b_a_other = select(b.first, next(next(R_i)), next(R_i));
-  // of two edges the nearest points, from their middles, times the sine squared
+  // nearest points of two edges, as distances from the middles of the edges, times the squared sine
   const Pack sine_sq = 1 - R_i * R_i, end = sine_sq * (1 - edge_end);
   const Pack on_a = component(w.p_A, i) + b.coordinate_on_other * b_a_other,
              on_b = w.p_B - a.coordinate_on_other * a_b_other;
-  // on the negative and the positive side of a, and of b
+  // for the edge on the negative and on the positive side, first of a, then of b
   const std::array<Pack, 2> to_a{on_b + a.h * a_b, on_b - a.h * a_b}, lost_a{a.lost(false), a.lost(true)};
   const std::array<Pack, 2> to_b{on_a - b.h * b_a, on_a + b.h * b_a}, lost_b{b.lost(false), b.lost(true)};
   const Pack end_a = end * w.h_a[i], end_b = end * w.h_B;
@@ -200,8 +202,8 @@ inline Real reach_of_edges(const PlacedShape& a, const PlacedShape& b) noexcept 
   return edge_reach * std::min(a.half_extents().minCoeff(), b.half_extents().minCoeff());
 }
 
-/// Calls f(crossing) for the edges of box a that touch or are near edges of box b. None if the boxes are sunk
-/// and may be.
+/// Calls f(crossing) for the edges of box a that touch or are near edges of box b. Calls it for none if the
+/// boxes are sunk and may_be_sunk is true.
 template <class F>
 BoxesAre each_crossing(const PlacedShape& a, const PlacedShape& b, bool may_be_sunk, F f) noexcept {
   const BoxOnBox w(a, b);

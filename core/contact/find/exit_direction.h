@@ -22,7 +22,7 @@ struct ExitDirection {
   Real distance = std::numeric_limits<Real>::infinity();
 };
 
-/// Returns the largest extent of the spheres against a direction.
+/// Returns the lowest coordinate of the surfaces of the spheres along a direction.
 inline Real lowest_along(const Vec3& n_W, const SpherePack* packs, std::uint32_t num_packs) noexcept {
   Pack lowest = std::numeric_limits<Real>::infinity();
   for (std::uint32_t k = 0; k < num_packs; ++k) {

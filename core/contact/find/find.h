@@ -1,6 +1,6 @@
 // Search for contacts: spheres of bodies near each other, near shapes on other bodies, and near the world.
 //
-// A body with shapes is touched by spheres of others at its shapes, one without at its spheres. Bodies of one
+// Spheres of other bodies touch a body at its shapes, or at its spheres if it has no shapes. Bodies of one
 // tree of joints do not touch each other. Bound: that of the broad phase. For each pair of bodies with
 // overlapping boxes, a query for each sphere in the other's box. For each body and surface of the world, a
 // test of nearness per four spheres, and a query for each near one.
@@ -20,7 +20,7 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real travel = w.owned[a].travel + (b < N ? w.owned[b].travel : 0),
              reach = reach_of_edges(w.placed[o], w.placed[q]);
-  // the world alone: among bodies grippers gained energy (decision 042)
+  // only against the world: between bodies, the sweep made grippers gain energy (decision 042)
   const bool sweeps = b >= N && travel > reach;
   const std::size_t before = near.size;
   Real before_end = 0;
@@ -110,7 +110,7 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
     find(&a_leaves, &b_leaves);
   }
   if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
-  // such depth with a soft law: its springs store the work, and are kept
+  // a soft law explains this depth: its springs store the work, so these contacts are kept
   if (were_deep.pressed && were_deep.axis == SinkingAxis::none) return;
   near.forget_from(before);
   find_sunk(w, a, b, pair, were_deep.axis, near);
@@ -135,7 +135,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
       const Vec3 n = direction(apart, distance, direction(between, between.norm(), Vec3::UnitZ()));
       constexpr std::uint32_t spheres = ContactFinder<Contacts, N>::max_surfaces;
       add_near(w,
-               {.key = pair | touch_key(t, s),  // in the order of the loops
+               {.key = pair | touch_key(t, s),  // keys rise in the order of these loops
                 .of = spheres + s,
                 .on = spheres + t,
                 .a = a,

@@ -6,8 +6,9 @@
 
 namespace godobject {
 
-/// Tests four spheres against a box. Bit j of the result: sphere j is near. If its centre is inside, the
-/// depth is its radius, without a normal, or along the exit direction, if given.
+/// Tests four spheres against a box. Bit j of the result: sphere j is near. For a centre inside the box,
+/// depth and normal are those of the exit direction. Without one the depth is the radius, and there is no
+/// normal.
 inline std::uint32_t near_box(const PlacedShape& box, const SpherePack& pack, Real travel,
                               const Vec3* way_out_S, Pack& d, Vector3<Pack>& n_W) noexcept {
   const Mat3& R_WS = box.R_WS();
@@ -21,8 +22,8 @@ inline std::uint32_t near_box(const PlacedShape& box, const SpherePack& pack, Re
   return bits(-contact_reach * pack.r - travel < d);
 }
 
-/// Tests four spheres against a box that their body leaves through one face, of those that touch it, behind
-/// that face.
+/// Tests four spheres of a body that leaves a box through one face. Bit j of the result: sphere j touches the
+/// box. d: depth of the spheres behind the plane of that face.
 inline std::uint32_t behind_face(const PlacedShape& box, const SpherePack& pack, const Vec3& way_out_S,
                                  Pack& d, Vector3<Pack>& n_W) noexcept {
   const std::uint32_t hits = near_box(box, pack, 0, nullptr, d, n_W) & bits(Pack(0) < d);
@@ -49,7 +50,7 @@ inline std::uint32_t near_plane(const PlacedShape& plane, const SpherePack& pack
   return ~bits(d <= -contact_reach * pack.r - travel);
 }
 
-/// Returns the radius of a ball round a shape about the origin of its frame, for bounded shapes.
+/// Returns the bounding radius of a bounded shape about the origin of its frame.
 inline Real ball_round(const PlacedShape& shape) noexcept {
   return shape.kind() == ShapeKind::box ? shape.half_extents().norm() : shape.radius() + shape.half_length();
 }

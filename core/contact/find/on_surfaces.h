@@ -19,7 +19,8 @@ void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
 
 /// Finds the contacts of the spheres of body a with the surfaces [first, end) of body b. Spheres of a body
 /// with shapes leave a box of the world through one face if they are deep. leaving_W: direction in which all
-/// spheres of a leave b if they overlap deeply. Returns true if they do; the result is then undefined.
+/// spheres of a leave b, for bodies that overlap deeply; otherwise null. Returns true if a sphere is too deep
+/// in a box of b and leaving_W is null; the result is then undefined.
 template <class Contacts, std::size_t N>
 // NOLINTNEXTLINE(readability-function-size): a list of cases
 bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b,

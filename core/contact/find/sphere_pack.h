@@ -19,7 +19,7 @@ struct SpherePack {
   Pack r = 0;
 };
 
-/// Returns sphere k of those that begin with this pack.
+/// Returns sphere k, counted from the first sphere of the first pack.
 inline Sphere sphere(const SpherePack* packs, std::uint32_t k) noexcept {
   return {.p_W = lane(packs[k / 4].p_W, k % 4), .r = packs[k / 4].r[k % 4]};
 }

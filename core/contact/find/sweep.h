@@ -1,5 +1,5 @@
-// Sweep of shapes that move farther in a stage than their size: contacts are those of the first touch on the
-// way.
+// Sweep of shapes that move farther in a stage than their size. Their contacts are at the first touch along
+// the path.
 //
 // At the predicted end of a stage, a fast sphere may be past the middle of a solid or behind the edge that it
 // crossed. The nearest face there is not the one of entry and would let it pass.
@@ -25,10 +25,11 @@ struct SweptContact {
   Vec3 n_W = Vec3::UnitZ();
 };
 
-/// Returns the remaining share of a way through a stage at the first touch, if it ends inside. Otherwise that
-/// of the last place no deeper than the start, or in touch. By conservative advancement: `deep` changes by at
-/// most the way.
-/// deep(left): depth, left from 1 to 0. in_touch: depths that count as touching. Result < 0: no touch.
+/// Returns the remaining share of the path through a stage at the first touch, if the path ends inside.
+/// Otherwise returns the share at the last place that is in touch, or no deeper than the start. Conservative
+/// advancement: `deep` changes by at most the distance moved.
+/// deep(left): depth at the remaining share `left`, from 1 to 0. in_touch: depths that count as touching.
+/// Result < 0: no touch.
 template <class Depth>
 Real remaining_at_touch(Real way, Real in_touch, Depth deep) noexcept {
   const Real first = deep(1), last = deep(0), touch = std::max(first, Real(0)) + in_touch;
@@ -90,8 +91,8 @@ PlacedShape earlier(const ContactFinder<Contacts, N>& w, std::uint32_t body, std
   return shape;
 }
 
-/// Returns the time before the end of the stage at which boxes o of body a and q of body b touch, s. Not
-/// positive: no touch before it, or the boxes are sunk at the start.
+/// Returns the time before the end of the stage at which boxes o of body a and q of body b first touch, s.
+/// Not positive: no touch before the end, or the boxes are sunk at the start.
 template <class Contacts, std::size_t N>
 [[gnu::noinline]] Real time_from_touch(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
                                        std::uint32_t b, std::uint32_t q, Real travel, Real reach) noexcept {

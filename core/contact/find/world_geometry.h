@@ -12,15 +12,15 @@ template <class Contacts, std::size_t N>
 struct ContactFinder {
   static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;
   static constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
-  // as many as keys of contacts can distinguish (core/contact/find/find.h)
+  // limits of the numbers in the keys of contacts (core/contact/find/before.h)
   static_assert(max_spheres + max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
-    std::uint32_t tree = 0;           // tree of joints whose bodies do not touch each other
-    Real travel = 0;                  // bound of the motion of its spheres in the stage, m
-    Real farthest = 0, smallest = 0;  // of its spheres: largest distance from the centre of mass, smallest
-                                      // radius, m
-    Twist beyond_predicted;           // its velocity without contacts minus the predicted one
+    std::uint32_t tree = 0;  // tree of joints whose bodies do not touch each other
+    Real travel = 0;         // bound of the motion of its spheres in the stage, m
+    // largest distance of its spheres from the centre of mass, and smallest radius, m
+    Real farthest = 0, smallest = 0;
+    Twist beyond_predicted;  // its velocity without contacts minus the predicted one
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
@@ -38,8 +38,9 @@ struct ContactFinder {
   bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
                                   // contacts are searched
   std::array<TreePlace, N> at;
-  std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;  // spheres in the world, of one body each
-  std::array<PlacedShape, max_surfaces> placed;             // surfaces in the world
+  // spheres in the world; each pack has spheres of one body
+  std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;
+  std::array<PlacedShape, max_surfaces> placed;  // surfaces in the world
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
@@ -91,7 +92,7 @@ std::uint32_t place_spheres(const ContactParams<max_spheres, max_surfaces>& par,
   return num_packs;
 }
 
-/// Returns the box round the spheres' reach, including the way that they come.
+/// Returns the bounding box of the spheres, enlarged by the contact reach and the motion in the stage.
 inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real travel) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   Vector3<Pack> lo = Vector3<Pack>::Constant(Pack(infinity)), hi = Vector3<Pack>::Constant(Pack(-infinity));

@@ -141,7 +141,7 @@ struct RunStatistics {
   bool force_oscillates = false;
   NetStatistics nets;
   ContactStatistics contacts;
-  EnergyReport gain;  // at the largest energy gained, relative to the energy at work
+  EnergyReport gain;  // energies at the largest gain relative to the energy at work
 
   /// Largest share of held cycles on a device; above it the run has the fault `held`, because the hand felt
   /// too little.

@@ -57,7 +57,7 @@ struct PreparedRun {
   const LogLink* log = nullptr;       // the session's log if its buses are logs
   RigProfiles profiles;               // profiles of the scene's nodes
   std::vector<BusLoad> bus_loads;     // worst case; empty with --bus direct
-  Passivity passivity;                // of the driven axes; empty with --bus direct
+  Passivity passivity;                // margins of the driven axes; empty with --bus direct
   std::vector<std::string> errors;    // "file:line:column: text", "file: text" or "--option: text"
   std::vector<std::string> warnings;  // of the same forms
   std::vector<std::string> notes;

@@ -44,10 +44,10 @@ class BoardBus final : public LinuxBus {
   std::vector<CanFilter> filters_;
   SerialPort port_;
   BoardNodes nodes_;
-  int timer_fd_ = -1;    // for pending frames of the nodes
+  int timer_fd_ = -1;    // timer for pending frames of the nodes
   int waiting_fd_ = -1;  // epoll on the port and the timer
   BusCounters counters_{};
-  BoardCounters earlier_{};  // of earlier openings
+  BoardCounters earlier_{};  // counters of earlier openings
   std::string why_{};
 };
 

@@ -116,7 +116,7 @@ bool ReplayBus::open() noexcept {
 /// Checks that every line can be parsed, and that the log has one interface to replay.
 bool ReplayBus::check_log() {
   std::set<std::string, std::less<>> interfaces;
-  std::map<std::uint32_t, std::uint8_t> sizes;  // of the last frame with an identifier
+  std::map<std::uint32_t, std::uint8_t> sizes;  // size of the last frame with an identifier
   std::size_t line_number = 1;
   bool has_frames = false;
   for (std::size_t at = 0; at < log_.size(); ++line_number) {

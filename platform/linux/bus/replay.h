@@ -46,12 +46,12 @@ class ReplayBus final : public LinuxBus {
   std::string path_, interface_;
   std::vector<CanFilter> filters_;
   std::string log_{};         // text, parsed line by line during the replay because it is the smallest form
-  std::size_t position_ = 0;  // in log_, of the next line to be parsed
-  ReceivedFrame next_{};      // on CLOCK_MONOTONIC
+  std::size_t position_ = 0;  // position in log_ of the next line to be parsed
+  ReceivedFrame next_{};      // next frame; its time is on CLOCK_MONOTONIC
   bool has_next_ = false;
   bool is_cut_ = false;       // true if the last line is cut off
   Nanoseconds begin_ns_ = 0;  // time of the log's first frame
-  Nanoseconds shift_ = 0;     // from the log's time to CLOCK_MONOTONIC
+  Nanoseconds shift_ = 0;     // offset from the log's time to CLOCK_MONOTONIC
   int timer_fd_ = -1;
   BusState state_ = BusState::closed;
   BusCounters counters_{};

@@ -62,7 +62,7 @@ class SlcanBus final : public LinuxBus {
   BusCounters counters_{};
   std::uint64_t num_unanswered_ = 0;   // frames sent and neither accepted nor refused yet
   std::uint64_t num_garbled_ = 0;      // lines that are not of the protocol
-  std::uint64_t earlier_garbled_ = 0;  // before it was opened again
+  std::uint64_t earlier_garbled_ = 0;  // garbled lines before the port was opened again
   std::uint64_t dropped_at_open_ = 0;  // lines of the reader that were dropped while the adapter was being
                                        // opened
   std::uint64_t num_fd_ = 0;           // CAN FD frames

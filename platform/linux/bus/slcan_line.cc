@@ -42,7 +42,7 @@ std::string SlcanLine::text_of(const CanFrame& frame) {
 }
 
 bool SlcanLine::next(std::string_view& line) noexcept {
-  constexpr int max_reads = 8;  // of in_.size() bytes: bounds the time of one call
+  constexpr int max_reads = 8;  // reads of in_.size() bytes: bounds the time of one call
   for (int reads = 0; reads <= max_reads; ++reads) {
     while (in_begin_ < in_end_) {
       if (!reader_.put(in_[in_begin_++])) continue;

@@ -66,7 +66,7 @@ class SocketCanBus final : public LinuxBus {
   BusSettings settings() const noexcept { return {bit_rate_, data_bit_rate_, {}}; }
 
   std::string interface_;
-  unsigned index_ = 0;  // of the interface that was opened last; renaming does not change it
+  unsigned index_ = 0;  // index of the interface that was opened last; renaming does not change it
   double bit_rate_ = 0;
   double data_bit_rate_ = 0;
   std::vector<can_filter> filters_;
@@ -76,7 +76,7 @@ class SocketCanBus final : public LinuxBus {
   BusState state_ = BusState::closed;
   BusCounters counters_;
   std::uint64_t queue_full_ = 0;      // try_send calls answered with full
-  std::uint32_t dropped_in_all_ = 0;  // by this socket, as counted by the kernel (SO_RXQ_OVFL)
+  std::uint32_t dropped_in_all_ = 0;  // frames lost by this socket, as counted by the kernel (SO_RXQ_OVFL)
   ReceiveStamp stamp_;
   FrameObserver observer_;
   // Reason of the last failed open().

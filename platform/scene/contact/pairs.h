@@ -19,7 +19,7 @@ std::vector<std::size_t> tools_of(const SceneConfig& scene);
 enum class ContactScope : std::uint8_t {
   none,
   obstacles,  // bodies touch obstacles only
-  bodies,     // and each other
+  bodies,     // bodies also touch each other
 };
 
 ContactScope contact_scope(const SceneConfig& scene);

@@ -12,7 +12,7 @@ namespace godobject {
 /// file.
 /// scale: m per unit of the file.
 std::string read_mesh(const std::string& path, double scale, MeshData& mesh);
-/// As read_mesh for the bytes of a file.
+/// Parses the bytes of a file as read_mesh() does.
 /// path: selects the format, and is the name in messages.
 std::string parse_mesh(std::string_view file, const std::string& path, double scale, MeshData& mesh);
 

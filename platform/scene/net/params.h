@@ -21,7 +21,7 @@ struct NetRange {
   std::string name;
   std::size_t carrier = world;  // index of the body, or world
   std::size_t first_node = 0, num_nodes = 0;
-  std::vector<TriangleIndices> triangles;  // by numbers of nodes among all nets
+  std::vector<TriangleIndices> triangles;  // corners: numbers of nodes among all nets
 };
 
 /// Nets in the order of their carriers, those of the world last; springs in the order of i, then j;

@@ -50,7 +50,7 @@ struct CsvResult {
 /// word_column: name of the one column that holds words instead of numbers, if the table has it.
 CsvResult read_csv(const std::string& path, std::string_view word_column = {},
                    std::size_t max_bytes = max_csv_bytes);
-/// As read_csv for a text.
+/// Parses a text as read_csv() parses a file.
 /// file: name in messages.
 /// keeps: returns true for names of columns to keep; others are not counted. Null: all are kept.
 using CsvWanted = std::function<bool(std::string_view)>;

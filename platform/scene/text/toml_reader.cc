@@ -11,10 +11,11 @@ namespace godobject {
 
 namespace {
 
-constexpr double unit_tolerance = 1e-6;     // of a quaternion or axis written in decimals
+// tolerance of unit length, for a quaternion or axis written in decimals
+constexpr double unit_tolerance = 1e-6;
 constexpr double rounding = 1e-15;          // within this already unit, and kept bit for bit
 constexpr double inertia_tolerance = 1e-9;  // relative, for symmetry and triangle inequality
-constexpr std::size_t max_strings = 1000;   // in an array
+constexpr std::size_t max_strings = 1000;   // limit of strings in an array
 constexpr std::size_t max_word = 100;       // bytes; longer than any key or name, so none is near
 constexpr std::size_t max_dots = 1000;      // depth of a.b.c, counted without a comma, '=' or line end
 

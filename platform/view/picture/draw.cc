@@ -21,7 +21,8 @@ class Camera {
  public:
   Camera(const Picture& picture, double width, double height)
       : half_width_(0.5 * width), half_height_(0.5 * height) {
-    const Vec3 eye = Vec3(-0.38, -0.8, 0.46) * 2.6 * picture.extent;  // from the centre, as in the page
+    // camera position from the centre, as in the page
+    const Vec3 eye = Vec3(-0.38, -0.8, 0.46) * 2.6 * picture.extent;
     eye_ = picture.centre + eye;
     back_ = eye.normalized();
     right_ = Vec3::UnitZ().cross(back_).normalized();
@@ -153,7 +154,7 @@ void draw_mesh(const Camera& camera, const PictureMesh& item, Canvas& canvas) {
       for (std::uint8_t& channel : colour) channel = static_cast<std::uint8_t>(camera.shade(n) * channel);
     draw_triangle(camera, corners, colour, canvas);
   }
-  constexpr double lift = 1.002;  // of edges, in front of their own faces
+  constexpr double lift = 1.002;  // moves edges in front of their own faces
   if (!item.has_edges) return;
   for (std::uint32_t face = 0; face + 4 <= item.mesh.vertices.size(); face += 4)
     for (std::uint32_t i = 0; i < 4; ++i)

@@ -8,7 +8,7 @@
 namespace godobject {
 namespace {
 
-constexpr std::uint32_t num_sides = 32, num_rings = 8;  // of round solids; rings of a half sphere
+constexpr std::uint32_t num_sides = 32, num_rings = 8;  // sides of round solids; rings of a half sphere
 
 /// Returns a surface of revolution about z through points (radius, height) from bottom to top; both ends are
 /// closed.

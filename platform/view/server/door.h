@@ -20,9 +20,9 @@ enum class Route : std::uint8_t { refused, file, scene, frames, stream, foxglove
 
 struct Verdict {
   Route route = Route::refused;
-  int status = 200;      // of HTTP; 101 if the connection becomes a WebSocket
-  std::string path{};    // of a file: "/app.js"
-  std::string reason{};  // of a refusal, for the log and the client
+  int status = 200;      // HTTP status; 101 if the connection becomes a WebSocket
+  std::string path{};    // path of a file: "/app.js"
+  std::string reason{};  // reason of a refusal, for the log and the client
 };
 
 /// The subprotocols of WebSockets.

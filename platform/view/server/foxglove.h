@@ -39,7 +39,7 @@ class FoxgloveClient {
                      const std::function<bool(Bytes)>& send);
 
   std::unique_ptr<Scene> scene_;
-  std::array<std::optional<std::uint32_t>, 2> subscriptions_;  // of each channel
+  std::array<std::optional<std::uint32_t>, 2> subscriptions_;  // subscription of each channel
   bool solids_due_ = false;         // sent once, because they move with their frames
   std::uint64_t nets_sent_ns_ = 0;  // last update of nets, which are sent repeatedly
 };

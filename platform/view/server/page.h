@@ -7,7 +7,7 @@ namespace godobject {
 
 struct PageFile {
   std::string_view text;  // empty: there is no such file
-  std::string_view type;  // of its contents, for HTTP
+  std::string_view type;  // media type of its contents, for HTTP
 };
 
 /// Returns a file of the page. path: "/", "/app.js".

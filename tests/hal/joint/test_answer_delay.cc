@@ -23,7 +23,7 @@ class Stream {
   /// late: of the answer to the SYNC of this cycle, periods. is_lost: the answer.
   void cycle(double late, bool is_lost = false) {
     ++sync;
-    const std::uint64_t unsettled = std::max<std::uint64_t>(delay.num_unsettled(), 1) - 1;
+    const std::uint64_t unsettled = std::max<std::uint64_t>(delay.num_inconclusive(), 1) - 1;
     const bool is_left_out =
         (last_mark == 0 || sync - 1 - last_mark >= mark_distance + unsettled * delay.longest()) &&
         delay.wants_mark(sync - 1);

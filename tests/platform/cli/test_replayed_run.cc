@@ -73,6 +73,14 @@ TEST_F(ReplayedRun, EveryRigRunsOnItsRecord) {
   }
 }
 
+TEST_F(ReplayedRun, AWholeRecordEndsWithItsRun) {
+  const std::string scene = "sim/scenes/rigid.toml";
+  ASSERT_EQ(record(scene, "").exit_code, 0);
+  const ProgramResult result = run_program("run " + scene + " --bus replay:" + path("run.log"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("600 cycles"));
+}
+
 TEST_F(ReplayedRun, TheRecordOfAReplayIsReplayedToo) {
   const std::string scene = "sim/scenes/rigid.toml";
   ASSERT_EQ(record(scene, "").exit_code, 0);

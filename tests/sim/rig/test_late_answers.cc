@@ -121,6 +121,7 @@ TEST(LateAnswers, ConstantDelayIsSeenWhileBooting) {
       if (delay_s > stale_after_s) {
         arm.cycles(3000);
         EXPECT_EQ(arm.faults(), RigFault::boot_timeout) << delay_s << arm.fault_text();
+        EXPECT_NE(arm.fault_text().find("later than stale_after"), std::string::npos) << arm.fault_text();
         continue;
       }
       arm.furthest = {};
