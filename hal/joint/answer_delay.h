@@ -30,8 +30,10 @@ class AnswerDelay {
   /// every_nth: the node answers at least every n-th SYNC. reach: greatest delay that is measured, periods.
   AnswerDelay(std::uint64_t every_nth, std::uint64_t reach) noexcept : every_nth_(every_nth), reach_(reach) {}
 
-  /// sync: number of the SYNC that is left out at time `now`, ns.
+  /// Records a mark. A node without two answers so far cannot show it. sync: number of the SYNC that is left
+  /// out at time `now`, ns.
   void left_out(std::uint64_t sync, Nanoseconds now) noexcept {
+    if (distance_ == 0) return;
     mark_ = sync;
     t_mark_ns_ = now;
   }
@@ -58,6 +60,8 @@ class AnswerDelay {
   /// Accepted delay, periods; reach + 1: more than reach.
   std::uint64_t periods() const noexcept { return periods_; }
   bool beyond_reach() const noexcept { return periods_ > reach_; }
+  /// True while the last mark is awaited in the answers.
+  bool is_pending() const noexcept { return mark_ != 0; }
   /// True until the delay is measured, and again after a missing or surplus answer.
   bool in_doubt() const noexcept { return in_doubt_; }
   /// True once it has been measured.

@@ -176,20 +176,23 @@ bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   return false;
 }
 
-// True if a delay on this bus is in doubt and the last mark is long enough ago. Distances grow, because with
-// equal ones a delay longer than a distance would look like a short one each time.
+// True if a delay on this bus is in doubt and the last mark is long enough ago: seen in the answers of all
+// nodes, or the longest measurement. Distances grow, because with equal ones a delay longer than a distance
+// would look like a short one each time.
 bool Rig::wants_mark(std::size_t bus) noexcept {
   const Bus& on = buses_[bus];
   const std::uint64_t last_sync = on.syncs.num_syncs();
   if (!on.bus->is_live() || !on.protocol.answers_only) return false;
-  bool wanted = false;
+  bool wanted = false, is_pending = false;
   std::uint64_t num_inconclusive = 0;
   for_each_delay(bus, [&](const AnswerDelay& delay) {
     wanted = wanted || delay.wants_mark(last_sync);
+    is_pending = is_pending || delay.is_pending();
     num_inconclusive = std::max(num_inconclusive, delay.num_inconclusive());
   });
   const std::uint64_t more = num_inconclusive > 1 ? (num_inconclusive - 1) * on.longest_measurement : 0;
-  return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= on.mark_distance + more);
+  const std::uint64_t distance = is_pending ? on.mark_distance : AnswerDelay::min_distance;
+  return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= distance + more);
 }
 
 template <class Function>

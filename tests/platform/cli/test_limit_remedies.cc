@@ -98,7 +98,7 @@ TEST_F(LimitRemedies, TorqueRate) {
 
 TEST_F(LimitRemedies, Held) {
   const std::string fault =
-      "[[fault]]\nverb = \"drop\"\nbus = \"can0\"\nnode_id = 1\nat = 1.0\nduration = 4.0\nvalue = 0.3\n";
+      "[[fault]]\nverb = \"drop\"\nbus = \"can0\"\nnode_id = 1\nat = 1.0\nduration = 4.0\nvalue = 0.1\n";
   expect_remedy(desk() + fault, desk());
 }
 

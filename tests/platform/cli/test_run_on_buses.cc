@@ -193,7 +193,7 @@ TEST_F(RunOnBuses, RearmsWhenItsBusesAreBack) {
   hand.join();
   EXPECT_EQ(result.statistics.cycles, 600u);
   EXPECT_EQ(session_->rig()->faults(), RigFault::none) << session_->rig()->fault_text();
-  ASSERT_EQ(result.recoveries.size(), 1u) << result.recoveries.back().named;
+  ASSERT_EQ(result.recoveries.size(), 1u);
   EXPECT_THAT(result.recoveries[0].named, HasSubstr("bus_down (can0)"));
   EXPECT_GE(result.recoveries[0].boots, 1);
   EXPECT_TRUE(result.recoveries[0].recovered_after_s.has_value());
