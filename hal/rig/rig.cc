@@ -176,9 +176,9 @@ bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
   return false;
 }
 
-// True if a delay on this bus is in doubt and the last mark is long enough ago: seen in the answers of all
-// nodes, or the longest measurement. Distances grow, because with equal ones a delay longer than a distance
-// would look like a short one each time.
+// True if a delay on this bus is in doubt and the last mark is long enough ago. That is after it was seen in
+// the answers of all nodes, or after the longest measurement. Distances grow, because with equal ones a delay
+// longer than a distance would look like a short one each time.
 bool Rig::wants_mark(std::size_t bus) noexcept {
   const Bus& on = buses_[bus];
   const std::uint64_t last_sync = on.syncs.num_syncs();
