@@ -206,7 +206,7 @@ def test_the_run_says_its_farewell():
 
 
 def test_wrong_options():
-    for options, word in ((["--view-input"], "--view"), (["--view", "70000"], "no port"), (["--view", "--view-input", "--fast"], "--fast"),
+    for options, word in ((["--view-input"], "--view"), (["--view", "70000"], "not a port number"), (["--view", "--view-input", "--fast"], "--fast"),
                           (["--view", "--view-input", "--bus", "sim"], "--bus"), (["--view", "--view-address", "here"], "no address")):
         result = subprocess.run([ARGS.program, "run", "sim/scenes/wall.toml", *options, "--duration", "1"], cwd=SOURCE, capture_output=True,
                                 text=True, timeout=60, check=False)
