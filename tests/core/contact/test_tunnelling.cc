@@ -86,7 +86,8 @@ bool passes(unsigned seed) {
              speed = of.random.log_uniform(0.01, 0.95) * promised;
   const FaceHit face(of.random, of.half);
   const Vec3 start = face.before(of.r + speed * of.h * of.random.uniform(0.01, 3));
-  place(of.run->x, 0, {.X_WB = of.placed(start), .V_WB = {.w = {}, .v = of.box.q * face.inward * speed}});
+  place(of.run->x, 0,
+        {.X_WB = of.placed(start), .V_WB = {.w = Vec3::Zero(), .v = of.box.q * face.inward * speed}});
   const int steps = of.steps_for(of.k);
   for (int n = 0; n < steps; ++n) {
     of.run->step();
@@ -109,9 +110,9 @@ bool passes_body(unsigned seed, bool cover) {
   const Vec3 start = face.before(drawn.r + speed * drawn.h * drawn.random.uniform(0.01, 3));
   const std::size_t box = pile->add(solid_box(heavy, drawn.half), {.X_WB = drawn.box, .V_WB = {}});
   pile->carry(box, {.kind = ShapeKind::box, .half_extents = drawn.half});
-  const std::size_t ball =
-      pile->add_ball({.X_WB = drawn.placed(start), .V_WB = {.w = {}, .v = drawn.box.q * face.inward * speed}},
-                     drawn.m, drawn.r);
+  const std::size_t ball = pile->add_ball(
+      {.X_WB = drawn.placed(start), .V_WB = {.w = Vec3::Zero(), .v = drawn.box.q * face.inward * speed}},
+      drawn.m, drawn.r);
   if (cover) pile->carry(ball, {.kind = ShapeKind::sphere, .radius = drawn.r});
   for (int n = drawn.steps_for(k); n > 0; --n) {
     pile->step();
@@ -151,7 +152,8 @@ TYPED_TEST(Tunnelling, ABallBesideAnEdgeIsHeld) {
     add_box(run->par, {}, Vec3::Constant(0.05));
     add_sphere(run->par, 0, Vec3::Zero(), 0.005);
     set_law(run->par, law_of(1e6, 0.7, 0.3, 0.05));
-    place<S>(run->x, 0, {.X_WB = at(Vec3(0.048, 0, 0.0775)), .V_WB = {.w = {}, .v = Vec3(0, 0, -speed)}});
+    place<S>(run->x, 0,
+             {.X_WB = at(Vec3(0.048, 0, 0.0775)), .V_WB = {.w = Vec3::Zero(), .v = Vec3(0, 0, -speed)}});
     for (int n = 0; n < 100; ++n) {
       run->step();
       ASSERT_GT(run->body().X_WB.p.z(), 0.03) << speed << " m/s, step " << n;
@@ -288,7 +290,8 @@ class SideMeeting {
                            Vec3(random_.uniform(-3, 3) * Vec3::Unit(axis_))};
     const Quat q_b = q_ * exp_so3(turns[static_cast<std::size_t>(random_.integer(0, 2))]);
     add_cornered_brick(*pile_, {.X_WB = {.p = Vec3::Zero(), .q = q_}, .V_WB = {}}, m_a, half_a_, r_);
-    add_cornered_brick(*pile_, {.X_WB = {.p = q_ * p, .q = q_b}, .V_WB = {.w = {}, .v = velocity()}},
+    add_cornered_brick(*pile_,
+                       {.X_WB = {.p = q_ * p, .q = q_b}, .V_WB = {.w = Vec3::Zero(), .v = velocity()}},
                        brick_mass, half_b_, r_);
   }
 

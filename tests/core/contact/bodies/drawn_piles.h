@@ -150,8 +150,9 @@ class DrawnPile : public JointedPileOf<I> {
            frame(-end, y_axis));
     }
     for (int n = random_.integer(1, 3); n > 0; --n)
-      add_brick({.X_WB = at(Vec3(0, 0.001, 0.03 + 0.02 * n)), .V_WB = {.w = {}, .v = Vec3(0, 0, 0.5)}},
-                drawn_mass());
+      add_brick(
+          {.X_WB = at(Vec3(0, 0.001, 0.03 + 0.02 * n)), .V_WB = {.w = Vec3::Zero(), .v = Vec3(0, 0, 0.5)}},
+          drawn_mass());
   }
   void draw_thrown_tree() {
     const int links = random_.integer(2, 5);

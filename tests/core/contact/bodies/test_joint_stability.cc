@@ -24,7 +24,7 @@ std::unique_ptr<JointedPileOf<I>> pendulums() {
     const std::size_t lower = pile->add_brick({});
     pile->join(lower, JointKind::hinge, upper, frame(end, y_axis), frame(-end, y_axis));
   }
-  pile->add_brick({.X_WB = at(Vec3(0, 0.001, 0.05)), .V_WB = {.w = {}, .v = Vec3(0, 0, 0.5)}});
+  pile->add_brick({.X_WB = at(Vec3(0, 0.001, 0.05)), .V_WB = {.w = Vec3::Zero(), .v = Vec3(0, 0, 0.5)}});
   return pile;
 }
 

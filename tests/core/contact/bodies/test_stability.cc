@@ -37,8 +37,8 @@ std::unique_ptr<Three<I>> crosswise(const SweepCase& c, Hand hand) {
   pile->add_floor();
   set_law(pile->par, law_of(c.k, c.zeta, c.mu));
   pile->add_brick({.X_WB = at(Vec3(0, 0, 0.0115), Vec3(0.1, 0.2, 0)), .V_WB = {}});
-  pile->add_brick(
-      {.X_WB = at(Vec3(0.002, 0.001, 0.032), Vec3(0, 0.1, 1.4)), .V_WB = {.w = {}, .v = Vec3(0, 0, -0.3)}});
+  pile->add_brick({.X_WB = at(Vec3(0.002, 0.001, 0.032), Vec3(0, 0.1, 1.4)),
+                   .V_WB = {.w = Vec3::Zero(), .v = Vec3(0, 0, -0.3)}});
   const Pose beside = at(Vec3(-0.06, 0.002, 0.006));
   const std::size_t driven = pile->add_brick({.X_WB = beside, .V_WB = {}});
   const RigidBodyParams& body = pile->par.bodies[driven].body;
