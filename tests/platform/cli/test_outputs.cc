@@ -214,6 +214,10 @@ TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
 
 /// A killed run loses at most half a second of every file.
 TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP()
+      << "an instrumented program misses its deadlines; then the rig is in fault, and its record rests";
+#endif
   const std::vector<std::string> names{path("t.csv"), path("r.log")};
   BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60",
                          "--trace", names[0], "--record", names[1]});
@@ -264,7 +268,10 @@ TEST_F(BackgroundFiles, ASmallStackIsEnough) {
          {"check", "run --duration 0.05 --bus direct --realtime", "run --duration 0.05 --bus direct"}) {
       const ProgramResult result = run_program(std::string(verb) + " sim/scenes/" + scene + ".toml",
                                                "sh -c 'ulimit -s 256; exec \"$0\" \"$@\"' ");
-      EXPECT_EQ(result.exit_code, 0) << scene << ", " << verb << result.output;
+      // a busy machine or an instrumented step misses deadlines, which is a fault and no lack of stack
+      const bool is_late =
+          result.exit_code == 1 && result.output.find("deadlines_missed") != std::string::npos;
+      EXPECT_TRUE(result.exit_code == 0 || is_late) << scene << ", " << verb << result.output;
     }
 }
 
