@@ -7,6 +7,8 @@ import pathlib
 import re
 import sys
 
+from verdict import verdict
+
 PAGE = "docs/architecture.md"
 LAYERS = ("core", "hal", "sim", "platform")
 NOT_CONTENTS = {"CMakeLists.txt"}
@@ -34,13 +36,10 @@ def finds_its_own_example():
 
 
 def main(source):
-    if not finds_its_own_example():
-        print("check_folders.py does not find the faults of its own example")
-        return 1
     folders = folders_of(source)
     found = complaints((source / PAGE).read_text(), folders, lambda path: (source / path).exists())
-    print("\n".join(found) or f"{len(folders)} folders, each with its line in {PAGE}")
-    return 1 if found or not folders else 0
+    return verdict("check_folders.py", finds_its_own_example(), found, folders,
+                   f"{len(folders)} folders, each with its line in {PAGE}")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,8 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import comment_blocks
 
+from verdict import verdict
+
 NAMED = re.compile(r"(?<![\w/.<*-])((?:\.\./)*[\w*-][\w*/-]*\.(?:h|cc|js|py|md|cmake|toml|gp|csv))(?![\w/*])")
 NOT_OURS = {"toml", "csv"}  # without a folder, such a name is an example
 
@@ -68,12 +70,9 @@ def finds_its_own_example():
 
 
 def main(source):
-    if not finds_its_own_example():
-        print("check_named_files.py does not find the missing files of its own example")
-        return 1
     checked, found = missing(source)
-    print("\n".join(found) or f"{checked} names of files in comments, each of a file")
-    return 1 if found or not checked else 0
+    return verdict("check_named_files.py", finds_its_own_example(), found, checked,
+                   f"{checked} names of files in comments, each of a file")
 
 
 if __name__ == "__main__":

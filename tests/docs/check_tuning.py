@@ -8,6 +8,8 @@ import re
 import sys
 import tempfile
 
+from verdict import verdict
+
 TUNING = "core/tuning.h"
 # What nobody chose, by name: pi; order, d and b of TR-BDF2, 1 - 1/sqrt 2 and sqrt 2 / 4; how many numbers a processor's vector
 # holds. Zero, one and minus one are no choices either.
@@ -68,14 +70,10 @@ def finds_stray_ones():
 
 
 def main(source):
-    if not finds_stray_ones():
-        print("check_tuning.py does not find the numbers of its own example")
-        return 1
     read, wrong = stray_numbers(source)
     wrong = [f"{place}  -- a choice belongs into {TUNING}" for place in wrong]
     wrong += [f"{place}  -- what does it mean?" for place in untold_numbers((source / TUNING).read_text())]
-    print("\n".join(wrong) or f"{read} files, all chosen numbers in {TUNING}")
-    return 1 if wrong or not read else 0
+    return verdict("check_tuning.py", finds_stray_ones(), wrong, read, f"{read} files, all chosen numbers in {TUNING}")
 
 
 if __name__ == "__main__":
