@@ -8,7 +8,7 @@ namespace {
 
 /// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
 void check_motion_of_joints(const SceneConfig& scene, const Motion& motion, bool real,
-                             std::vector<std::string>& errors) {
+                            std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
   for (const JointConfig& joint : scene.joints)
     if (joint.imposed)

@@ -74,8 +74,9 @@ TEST(CliDrive, ResetsAFaultAndSaysWhatRemains) {
   EXPECT_THAT(rig.drive("status").output, HasSubstr("603Fh = 2310h, continuous over-current"));
   const test::ProgramResult refused = rig.drive("home");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output,
-              HasSubstr("is in fault (603Fh = 2310h, continuous over-current): reset it with godobject drive"));
+  EXPECT_THAT(
+      refused.output,
+      HasSubstr("is in fault (603Fh = 2310h, continuous over-current): reset it with godobject drive"));
   const test::ProgramResult reset = rig.drive("reset");
   EXPECT_EQ(reset.exit_code, 0);
   EXPECT_THAT(reset.output, HasSubstr("reset: switch on disabled; 603Fh = 0000h"));

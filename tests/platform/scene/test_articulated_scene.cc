@@ -80,9 +80,10 @@ TEST(ArticulatedScene, WhatIsNoTreeIsRefusedByTheNamesOfItsJoints) {
 }
 
 TEST(ArticulatedScene, UnknownBodiesAndTakenNamesAreRefused) {
-  EXPECT_THAT(errors_of(joint("q", "hinge", "arm", "a")),
-              ElementsAre(AllOf(HasSubstr("a.toml:18:"), HasSubstr("'parent' is \"arm\", which is not a body"),
-                                HasSubstr("\"world\", \"a\", \"b\", \"c\""))));
+  EXPECT_THAT(
+      errors_of(joint("q", "hinge", "arm", "a")),
+      ElementsAre(AllOf(HasSubstr("a.toml:18:"), HasSubstr("'parent' is \"arm\", which is not a body"),
+                        HasSubstr("\"world\", \"a\", \"b\", \"c\""))));
   EXPECT_THAT(errors_of(joint("q", "hinge", "world", "d")),
               ElementsAre(HasSubstr("'child' is \"d\", which is not a body")));
   EXPECT_THAT(errors_of("[[joint]]\nname = \"q\"\n"), ElementsAre(HasSubstr("required key 'child'")));

@@ -295,7 +295,8 @@ TEST(CommissioningErrors, NodeThatRebootsRepeatedly) {
     run(commissioning, failing.sim, 20 * ms);
     failing.sim.drives[0]->power_cycle(failing.sim.now);
   }
-  EXPECT_THAT(commissioning.errors(), ElementsAre(HasSubstr("while it was set up: check its supply voltage")));
+  EXPECT_THAT(commissioning.errors(),
+              ElementsAre(HasSubstr("while it was set up: check its supply voltage")));
 }
 
 TEST(CommissioningErrors, BusThatSendsNothing) {
