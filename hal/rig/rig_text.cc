@@ -53,8 +53,8 @@ std::string boot_text(const NodeEvidence& seen, const RigNode& node) {
                                                              : "TPDO1 with its position";
   if (!seen.answered) text += std::string(", no ") + answer + " was received";
   else if (seen.delay_unknown)
-    text +=
-        ", its answers came without requests or later than stale_after: set TPDO1's transmission type to 1";
+    text += std::string(", its answers came without requests or later than stale_after") +
+            (node.canopen ? ": set TPDO1's transmission type to 1" : "");
   return text;
 }
 
