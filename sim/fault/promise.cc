@@ -125,13 +125,12 @@ std::string fault_promises_markdown() {
   for (const RigFault fault :
        {sample_stale, drive_silent, heartbeat_lost, sample_implausible, sensors_disagree})
     out += "- `" + std::string(godobject::text_of(fault).name) + "` within " + text_of(usual(fault)) + "\n";
-  out += "- others within " + text_of(at_once) +
-         "\n\n| fault | rig faults | possibly also | motors |\n"
-         "|---|---|---|---|\n";
+  out += "- others within " + text_of(at_once) + "\n\n";
   for (const FaultPromise& promise : promises) {
-    const std::string always = list(promise, true);
-    out += "| `" + std::string(promise.words) + "` | " + (always.empty() ? "nothing" : always) + " | " +
-           list(promise, false) + " | " + std::string(text_of(promise.motors)) + " |\n";
+    const std::string always = list(promise, true), possible = list(promise, false);
+    out += "- `" + std::string(promise.words) + "`: " + (always.empty() ? "nothing" : always) +
+           (possible.empty() ? "" : " (possibly " + possible + ")") + "; " +
+           std::string(text_of(promise.motors)) + "\n";
   }
   return out;
 }
