@@ -91,14 +91,13 @@ void write_kinds(std::ostream& out, const std::vector<JointCostRow>& kinds) {
 }
 
 void write_compositions(std::ostream& out, const std::vector<JointCostRow>& rows) {
-  out << "| composition | scene | params | state | scratch | code | constants | instr./step | instr./body |\n"
-         "|---|---|---|---|---|---|---|---|---|\n";
+  out << "| composition | params | state | scratch | code | instr./step | instr./body |\n"
+         "|---|---|---|---|---|---|---|\n";
   for (const JointCostRow& r : rows) {
     if (r.num_bodies == 1 || r.num_bodies > 64) continue;
     const double n = static_cast<double>(r.num_bodies);
-    out << "| " << r.composition << " | " << r.motion << " | " << r.params_bytes << " | " << r.state_bytes
-        << " | " << r.scratch_bytes << " | " << whole(r.code_bytes) << " | " << whole(r.constant_bytes)
-        << " | ";
+    out << "| " << r.composition << " | " << r.params_bytes << " | " << r.state_bytes << " | "
+        << r.scratch_bytes << " | " << whole(r.code_bytes) << " | ";
     if (r.instructions) out << whole(r.instructions) << " | " << whole(*r.instructions / n) << " |\n";
     else out << "- | - |\n";
   }

@@ -240,18 +240,13 @@ void write_footprint(std::ostream& out, const std::vector<FootprintRow>& rows) {
     return;
   }
   write_parts(out, rows);
-  out << R"(![footprint](figures/footprint.png)
-
-| composition | params | state | scratch | code | constants | instr./step |
-|---|---|---|---|---|---|---|
-)";
-  for (const FootprintRow& r : rows) {
-    if (r.composition.find("-1 ") == std::string::npos) continue;
-    out << "| " << r.composition << " | " << r.params_bytes << " | " << r.state_bytes << " | "
-        << r.scratch_bytes << " | " << whole(r.code_bytes) << " | " << whole(r.constant_bytes) << " | "
-        << whole(r.instructions) << " |\n";
-  }
-  out << "\nBytes, of compositions for one body; those for eight: `footprint.csv`.\n\n";
+  if (const FootprintRow* const smallest = find(rows, "free-1 implicit-euler"))
+    out << "The smallest, " << smallest->composition << ", has " << whole(data_bytes(*smallest))
+        << " bytes of data, " << whole(smallest->code_bytes) << " of code and "
+        << whole(smallest->constant_bytes) << " of constants, and " << whole(smallest->instructions)
+        << " instructions a step. All compositions: `footprint.csv`; the number after the dash is how many "
+           "bodies fit.\n\n";
+  out << "![footprint](figures/footprint.png)\n\n";
 }
 
 }  // namespace godobject::study
