@@ -1,5 +1,5 @@
-// Writes the reference of the scene format, one Markdown list per TOML table: key (type, unit, range; default):
-// meaning. A visitor of platform/scene/keys/scene.h with default values.
+// Writes the reference of the scene format, one Markdown list per TOML table:
+// key (type, unit, range; default): meaning. A visitor of platform/scene/keys/scene.h with default values.
 #pragma once
 
 #include <concepts>

@@ -4,7 +4,7 @@
 //   path         a file in the folder of the file being read, or below; returns its path
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback
 //   shorthand    a value that only sets defaults of other members, never written
-//   pose, keys_of    lines of the reference, which has one for both keys of a pose or for keys of another table
+//   pose, keys_of   only in the reference: one line for both keys of a pose, or for keys of another table
 //   table, tables, has, check, advise               structure, and rules beyond a single range
 // Within a table values come before sub-tables, as TOML requires.
 #pragma once
