@@ -84,11 +84,10 @@ void write_error(std::ostream& out, const std::vector<ErrorRow>& rows) {
 
 Where the line of tr-bdf2 breaks, longer steps turn the slender body too far and are taken as two implicit Euler stages.
 
-At a step of 1 ms; worst errors of position (m), rotation (rad), energy (share); "order" of the last halving; drift of
-the joints:
+At a step of 1 ms; worst errors of position (m) and rotation (rad); "order" of the last halving; drift of the joints:
 
-| scene | integrator | m | order | rad | order | energy | drift, m | drift, rad | ns/step | instr./step |
-|---|---|---|---|---|---|---|---|---|---|---|
+| scene | integrator | m | order | rad | order | drift, m | drift, rad | ns/step | instr./step |
+|---|---|---|---|---|---|---|---|---|---|
 )";
   for (const std::string& scene : scenes_of(rows))
     for (const std::string& integrator : integrators) {
@@ -97,7 +96,6 @@ the joints:
       out << "| " << scene << " | " << integrator << " | " << number(r->errors.position) << " | "
           << last_order(rows, *r, &ErrorRow::order_position) << " | " << number(r->errors.rotation) << " | "
           << last_order(rows, *r, &ErrorRow::order_rotation) << " | "
-          << (r->errors.energy ? number(*r->errors.energy) : "-") << " | "
           << (r->errors.drift ? number(r->errors.drift->m, 2) + " | " + number(r->errors.drift->rad, 2)
                               : "- | -")
           << " | " << number(r->ns_per_step) << " | " << whole(r->instructions_per_step) << " |\n";
