@@ -90,20 +90,17 @@ void write_kinds(std::ostream& out, const std::vector<JointCostRow>& kinds) {
   out << '\n';
 }
 
-void write_compositions(std::ostream& out, const std::vector<JointCostRow>& rows) {
-  out << "| composition | params | state | scratch | code | instr./step | instr./body |\n"
-         "|---|---|---|---|---|---|---|\n";
+/// Writes the instructions of a link in short and long chains.
+void write_links(std::ostream& out, const std::vector<JointCostRow>& rows) {
+  out << "Instructions a link of S5 in a step:";
+  const char* separator = " ";
   for (const JointCostRow& r : rows) {
-    if (r.num_bodies == 1 || r.num_bodies > 64) continue;
-    const double n = static_cast<double>(r.num_bodies);
-    out << "| " << r.composition << " | " << r.params_bytes << " | " << r.state_bytes << " | "
-        << r.scratch_bytes << " | " << whole(r.code_bytes) << " | ";
-    if (r.instructions) out << whole(r.instructions) << " | " << whole(*r.instructions / n) << " |\n";
-    else out << "- | - |\n";
+    if (!r.composition.starts_with("free-joints-") || r.num_bodies == 1 || !r.instructions) continue;
+    out << separator << whole(*r.instructions / static_cast<double>(r.num_bodies)) << " of " << r.num_bodies
+        << " links (" << r.composition.substr(r.composition.find(' ') + 1) << ")";
+    separator = ", ";
   }
-  out << "\nBytes; the number after the dash is how many bodies fit, and how many there are. One and 256 "
-         "bodies, "
-         "and slow motions: `joint-cost.csv`.\n\n";
+  out << ". Bytes and instructions of all compositions: `joint-cost.csv`.\n\n";
 }
 
 }  // namespace
@@ -116,7 +113,7 @@ void write_joints(std::ostream& out, const StudyResults& results) {
   write_parts(out, results.joint_costs.parts);
   if (results.joint_costs.compositions.empty()) return;
   write_kinds(out, results.joint_costs.kinds);
-  write_compositions(out, results.joint_costs.compositions);
+  write_links(out, results.joint_costs.compositions);
 }
 
 }  // namespace godobject::study
