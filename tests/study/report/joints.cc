@@ -93,14 +93,15 @@ void write_kinds(std::ostream& out, const std::vector<JointCostRow>& kinds) {
 /// Writes the instructions of a link in short and long chains.
 void write_links(std::ostream& out, const std::vector<JointCostRow>& rows) {
   out << "Instructions a link of S5 in a step:";
-  const char* separator = " ";
+  std::string separator = " ";
   for (const JointCostRow& r : rows) {
     if (!r.composition.starts_with("free-joints-") || r.num_bodies == 1 || !r.instructions) continue;
     out << separator << whole(*r.instructions / static_cast<double>(r.num_bodies)) << " of " << r.num_bodies
         << " links (" << r.composition.substr(r.composition.find(' ') + 1) << ")";
     separator = ", ";
   }
-  out << ". Bytes and instructions of all compositions: `joint-cost.csv`.\n\n";
+  out << (separator == " " ? " not available" : "")
+      << ". Bytes and instructions of all compositions: `joint-cost.csv`.\n\n";
 }
 
 }  // namespace
