@@ -19,44 +19,46 @@ std::uint64_t periods_of(double time_s, double cycle_s) noexcept {
 }
 
 /// Returns the greatest delay of a node's answers that is measured: a longer one is stale in any case.
-AnswerDelay delay_within(const RigParams& params, std::uint64_t every_nth) noexcept {
-  return {every_nth, periods_of(params.stale_after_s, params.cycle_s) + every_nth - 1};
+AnswerDelay delay_within(const RigParams& params, double cycle_s, std::uint64_t every_nth) noexcept {
+  return {every_nth, periods_of(params.stale_after_s, cycle_s) + every_nth - 1};
 }
 
 /// Returns the longest measurement of a delay on a bus, periods.
-std::uint64_t longest_measurement(const RigParams& params, std::size_t bus) noexcept {
-  std::uint64_t longest = delay_within(params, 1).longest();
+std::uint64_t longest_measurement(const RigParams& params, double cycle_s, std::size_t bus) noexcept {
+  std::uint64_t longest = delay_within(params, cycle_s, 1).longest();
   for (const DriveParams& drive : params.drives)
     if (drive.bus == bus)
-      longest = std::max(longest, delay_within(params, drive.status_every_nth_sync).longest());
+      longest = std::max(longest, delay_within(params, cycle_s, drive.status_every_nth_sync).longest());
   return longest;
 }
 
 }  // namespace
 
-Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), tree_(params.tree) {
-  assert(validate(params).empty() && buses.size() == params.buses.size());
+Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses)
+    : params_(params), tree_(params.tree) {
+  assert(validate(params, cycle_s).empty() && buses.size() == params.buses.size());
   for (std::size_t i = 0; i < buses.size(); ++i) {
+    const std::uint64_t longest = longest_measurement(params, cycle_s, i);
     buses_.push_back({.bus = buses[i],
                       .protocol = bus_protocol(protocol_of_bus(params, i)),
-                      .syncs = SyncAttribution(params.buses[i], longest_measurement(params, i) + 1),
-                      .longest_measurement = longest_measurement(params, i),
-                      .mark_distance = std::max(AnswerDelay::min_distance, longest_measurement(params, i))});
+                      .syncs = SyncAttribution(params.buses[i], longest + 1),
+                      .longest_measurement = longest,
+                      .mark_distance = std::max(AnswerDelay::min_distance, longest)});
   }
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
     const std::size_t node = add_node(encoder.bus, encoder.node_id, NodeKind::encoder, encoders_.size());
     encoders_.push_back({.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns),
                          .node = node,
-                         .delay = delay_within(params, 1)});
+                         .delay = delay_within(params, cycle_s, 1)});
   }
   for (const DriveParams& drive : params.drives) {
     const std::size_t node = add_node(drive.bus, drive.node_id, NodeKind::drive, drives_.size());
-    drives_.push_back({.drive = Drive(drive, params.cycle_s, stale_after_ns),
+    drives_.push_back({.drive = Drive(drive, cycle_s, stale_after_ns),
                        .node = node,
                        .joint = joint_named(drive.joint),
                        .every_nth_sync = drive.status_every_nth_sync,
-                       .delay = delay_within(params, drive.status_every_nth_sync),
+                       .delay = delay_within(params, cycle_s, drive.status_every_nth_sync),
                        .max_slip = allowed_slip(params, drive)});
   }
   add_buttons();

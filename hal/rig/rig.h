@@ -79,9 +79,10 @@ class Rig {
   /// Cycles at zero torque in which every drive must report that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
 
-  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates,
-  /// as fault_text() and place_text() do; no other function does.
-  Rig(const RigParams& params, std::span<CanBus* const> buses);
+  /// params: validate(params, cycle_s) must be empty. cycle_s: period of sync(), s. buses: one per
+  /// params.buses, open, outliving the rig. Allocates, as fault_text() and place_text() do; no other function
+  /// does.
+  Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses);
   Rig(Rig&&) noexcept = default;
   Rig& operator=(Rig&&) noexcept = default;
 

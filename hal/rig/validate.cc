@@ -15,7 +15,7 @@ namespace {
 
 class Checker {
  public:
-  explicit Checker(const RigParams& rig) : rig_(rig) {}
+  Checker(const RigParams& rig, double cycle_s) : rig_(rig), cycle_s_(cycle_s) {}
 
   std::vector<std::string> run() {
     check_timing();
@@ -42,9 +42,9 @@ class Checker {
   }
 
   void check_timing() {
-    require_positive(rig_.cycle_s, "", "step");
-    require(rig_.stale_after_s >= rig_.cycle_s, "stale_after is ", rig_.stale_after_s,
-            ", must be at least step (", rig_.cycle_s, ")");
+    require_positive(cycle_s_, "", "step");
+    require(rig_.stale_after_s >= cycle_s_, "stale_after is ", rig_.stale_after_s, ", must be at least step (",
+            cycle_s_, ")");
     require_positive(rig_.lost_after_s, "", "lost_after");
     require_positive(rig_.boot_timeout_s, "", "boot_timeout");
     require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout");
@@ -218,12 +218,15 @@ class Checker {
   }
 
   const RigParams& rig_;
+  double cycle_s_;
   std::vector<std::string> errors_;
   std::vector<std::pair<std::size_t, std::uint8_t>> nodes_;  // bus, node id
 };
 
 }  // namespace
 
-std::vector<std::string> validate(const RigParams& rig) { return Checker(rig).run(); }
+std::vector<std::string> validate(const RigParams& rig, double cycle_s) {
+  return Checker(rig, cycle_s).run();
+}
 
 }  // namespace godobject

@@ -58,6 +58,7 @@ class RigDevice final : public HandDevice {
   bool commands_torque() const noexcept;
 
   RigParams params_;
+  double cycle_s_;
   std::vector<std::size_t> bodies_;  // one per handle
   PrescribedSamples joints_;
   std::unique_ptr<RigLink> link_;

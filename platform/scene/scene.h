@@ -155,7 +155,7 @@ enum class CouplingMode : std::uint8_t {
 struct SceneConfig {
   std::string name;
   std::string about;
-  double step = 1e-3;    // h, s
+  double step = 1e-3;    // h, s; period of SYNC on the buses of its device
   double duration = 10;  // s
   std::string integrator = "tr-bdf2";
   CouplingMode coupling = CouplingMode::god_object;
@@ -231,13 +231,6 @@ inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConf
 /// True if a device of this kind displays force, by the torque of its drives.
 constexpr bool shows_force(DeviceKind kind) noexcept {
   return kind == DeviceKind::impedance || kind == DeviceKind::relative;
-}
-
-/// Returns the rig of the scene's device, with a SYNC in each step of the scene.
-inline RigParams rig_of(const SceneConfig& scene) {
-  RigParams rig = *scene.device->rig;
-  rig.cycle_s = scene.step;
-  return rig;
 }
 
 /// Returns the index in motion_targets() of a tracker's tool.

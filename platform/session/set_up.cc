@@ -29,7 +29,6 @@ Session::Session(const SceneConfig& scene, Motion motion)
       F_hand_W_(scene.bodies.size()),
       handed_(scene_, motion_),
       phases_(scene.step) {
-  if (scene_.device && scene_.device->rig) scene_.device->rig = rig_of(scene);
   phases_.add(handed_);
 }
 

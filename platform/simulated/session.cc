@@ -56,7 +56,7 @@ std::unique_ptr<SimLink> make_rig(const SceneConfig& scene, const std::shared_pt
     errors.push_back(why_not);
     return nullptr;
   }
-  return std::make_unique<SimLink>(sim_rig_config(scene), hand, std::llround(scene.step * 1e9),
+  return std::make_unique<SimLink>(sim_rig_config(scene), scene.step, hand,
                                    gather_time(scene.step) / gather_polls, profiles);
 }
 
@@ -121,7 +121,7 @@ std::shared_ptr<const Hand> hand_of(Motion motion) { return std::make_shared<Mot
 
 SimRigConfig sim_rig_config(const SceneConfig& scene) {
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
-  return {.rig = rig_of(scene),
+  return {.rig = *scene.device->rig,
           .plant = scene.device->plant,
           .wire = scene.wire,
           .faults = scene.faults,

@@ -133,7 +133,6 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   scene.step = *options.step;
   if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
-  rig.cycle_s = scene.step;
   // Samples come once per step, so a longer step needs a longer stale time.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
@@ -243,12 +242,19 @@ std::string blamed(const RunOptions& options, bool step_is_to_blame) {
   return options.scene + ": with --step " + shortest(*options.step) + ": ";
 }
 
-std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, usual_load(rig)); }
+bool is_rig_valid(const SceneConfig& scene) {
+  return has_rig(scene) && validate(*scene.device->rig, scene.step).empty();
+}
 
-void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
+std::vector<BusLoad> loads_of(const SceneConfig& scene) {
+  const RigParams& rig = *scene.device->rig;
+  return bus_load(rig, scene.step, usual_load(rig));
+}
+
+void check_bus_loads(const RunOptions& options, const SceneConfig& scene, const SceneConfig& scene_of_file,
                      PreparedRun& run) {
-  run.bus_loads = loads_of(rig);
-  const std::vector<BusLoad> loads_of_scene = loads_of(rig_of_scene);
+  run.bus_loads = loads_of(scene);
+  const std::vector<BusLoad> loads_of_scene = loads_of(scene_of_file);
   for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
     const BusLoad& load = run.bus_loads[i];
     if (!is_overloaded(load)) continue;
@@ -260,8 +266,7 @@ void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigP
 /// Computes passivity at the start of the motion, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
-  const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
-  if (!on_buses || !validate(*scene.device->rig).empty()) return;
+  if (run.buses.choice == BusChoice::direct || !is_rig_valid(scene)) return;
   run.passivity = passivity(scene, joints_at_start(scene, motion));
   for (const std::string& warning : passivity_warnings(run.passivity))
     if (options.strict) run.errors.push_back(options.scene + ": --strict: " + warning);
@@ -320,8 +325,8 @@ PreparedRun prepare(const RunOptions& options) {
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);
   Session::Made made = make_session(options, scene, *std::move(motion), run);
-  const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
-                              validate(*scene_of_file.device->rig).empty();
+  const bool only_with_step =
+      options.step && has_rig(scene) && !is_rig_valid(scene) && is_rig_valid(scene_of_file);
   if (made.session && options.view_input && scene.device->unmeasured_tree) {
     run.joint_pointer =
         std::make_unique<JointPointer>(scene, []() noexcept { return MonotonicClock{}.now(); });
@@ -337,7 +342,7 @@ PreparedRun prepare(const RunOptions& options) {
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
   if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);
   if (made.session && made.session->rig())
-    check_bus_loads(options, *scene.device->rig, *scene_of_file.device->rig, run);
+    check_bus_loads(options, scene, scene_of_file, run);
   if (run.errors.empty()) run.session = std::move(made.session);
   return run;
 }

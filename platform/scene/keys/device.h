@@ -542,7 +542,6 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
                                            .encoders = {},
                                            .drives = {}});
   rig.buses = buses;
-  rig.cycle_s = scene.step;
   const bool is_new = !d.rig;
   if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
   const PartsOfDevice given = d.rig               ? PartsOfDevice::rig

@@ -58,7 +58,7 @@ RigParams two_joints() {
 
 class RigTest : public testing::Test {
  protected:
-  explicit RigTest(const RigParams& params = two_joints()) : rig(params, buses) {}
+  explicit RigTest(const RigParams& params = two_joints()) : rig(params, 1e-3, buses) {}
 
   void receive(const CanFrame& frame, Nanoseconds t_ns) { bus.to_receive.push_back({frame, t_ns}); }
   void heartbeats(canopen::NmtState state = canopen::NmtState::operational) {

@@ -50,7 +50,7 @@ TEST(DeviceKeys, JointsSitOnTheOneBeforeUnlessTheyNameAnother) {
   EXPECT_EQ(parent_link(joints, 1), 0u);
   EXPECT_EQ(parent_link(joints, 2), 1u);
   EXPECT_EQ(parent_link(load(scene(serial)).scene->device->rig->tree.joints, 2), 2u);
-  EXPECT_THAT(validate(*result.scene->device->rig), IsEmpty());
+  EXPECT_THAT(validate(*result.scene->device->rig, result.scene->step), IsEmpty());
 }
 
 TEST(DeviceKeys, ParentsMustBeEarlierJoints) {
@@ -191,7 +191,7 @@ TEST(DeviceKeys, ProtocolsProfilesAndButtonsLoadBackAsThemselves) {
   ASSERT_EQ(rig.buttons.size(), 2u);
   EXPECT_TRUE(rig.buttons[1].use == ButtonUse::clutch && rig.buttons[1].active_low);
   EXPECT_EQ(rig.buttons[1].bit, 3);
-  EXPECT_THAT(validate(rig), IsEmpty());
+  EXPECT_THAT(validate(rig, back.scene->step), IsEmpty());
 }
 
 TEST(DeviceKeys, ProtocolsThatDoNotFitAreRefused) {
