@@ -133,14 +133,12 @@ class Checker {
 
   // Checks the requirements of a drive's protocol on the drive and its bus.
   void check_protocol(const DriveParams& drive, const std::string& where) {
-    if (drive.protocol == DriveProtocol::cia402) {
-      require(drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where, "torque_max_Nm is ",
-              drive.torque_max_Nm, ", must be at most 32.767 torque_rated_Nm");
-    } else {
-      require(drive.status_every_nth_sync == 1, where, "status_every_nth_sync is ",
-              int{drive.status_every_nth_sync}, ", must be 1: it answers every request");
-    }
+    const double max_Nm = max_encodable_torque_Nm(drive);
+    require(drive.torque_max_Nm <= max_Nm, where, "torque_max_Nm is ", drive.torque_max_Nm,
+            ", must be at most ", max_Nm, " with this torque_rated_Nm");
     const BusProtocol protocol = bus_protocol(drive.protocol);
+    require(protocol.canopen || drive.status_every_nth_sync == 1, where, "status_every_nth_sync is ",
+            int{drive.status_every_nth_sync}, ", must be 1: it answers every request");
     const char* name = drive_protocol_names[static_cast<std::size_t>(drive.protocol)];
     require(drive.node_id <= protocol.max_node_id, where, "node_id is ", int{drive.node_id}, ", must be 1..",
             int{protocol.max_node_id}, " with protocol ", name);

@@ -143,9 +143,9 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
           d.torque_rated_Nm);
   v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive},
           d.torque_max_Nm);
-  v.check(d.protocol != DriveProtocol::cia402 || d.torque_max_Nm <= 32.767 * d.torque_rated_Nm,
-          "torque_max_Nm",
-          "is more than 32.767 times torque_rated_Nm, the most that 16 bits of per mille carry");
+  const double max_Nm = max_encodable_torque_Nm(d);
+  v.check(d.torque_max_Nm <= max_Nm, "torque_max_Nm",
+          format("must be at most %g N m: commands in per mille of torque_rated_Nm encode no more", max_Nm));
   v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit of the command, at the motor shaft", positive},
           d.torque_rate_Nm_per_s);
   v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad",

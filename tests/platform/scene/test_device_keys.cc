@@ -173,6 +173,17 @@ std::string button(int node_id, int bit, const std::string& more = "") {
          "\nbit = " + std::to_string(bit) + "\n" + more;
 }
 
+TEST(DeviceKeys, TorqueLimitIsOneThatCommandsEncode) {
+  const auto errors = [](const std::string& more) {
+    return load(with_bus(classic_bus, drive("a", "bus = \"can1\"\nnode_id = 9\ntorque_rated_Nm = 0.1\n" + more)))
+        .errors;
+  };
+  EXPECT_THAT(errors("torque_max_Nm = 3.2767\n"), IsEmpty());
+  EXPECT_THAT(errors("torque_max_Nm = 3.277\n"),
+              ElementsAre(HasSubstr("'torque_max_Nm' must be at most 3.2767 N m: commands in per mille")));
+  EXPECT_THAT(errors("torque_max_Nm = 50.0\nprotocol = \"odrive\"\nwatchdog = \"drive\"\n"), IsEmpty());
+}
+
 TEST(DeviceKeys, ProtocolsProfilesAndButtonsLoadBackAsThemselves) {
   const std::string text =
       with_bus(moteus_bus, drive("a", "bus = \"can1\"\nprotocol = \"moteus\"\nnode_id = 1\n") +
