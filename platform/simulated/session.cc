@@ -96,7 +96,7 @@ std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params,
   return make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, errors);
 }
 
-Session::Made make_simulated_session(const SceneConfig& scene, Motion motion, const RigProfiles& profiles) {
+Session::Made make_simulated_session(SceneConfig scene, Motion motion, const RigProfiles& profiles) {
   DeviceParts device;
   std::vector<std::string> errors = unplayable_faults(scene);
   const std::shared_ptr<const Hand> hand = hand_of(motion);
@@ -106,7 +106,7 @@ Session::Made make_simulated_session(const SceneConfig& scene, Motion motion, co
   if (!errors.empty()) return {.session = nullptr, .errors = errors};
   device.truth = std::make_unique<SimulatedTruth>(scene, hand, rig.get());
   device.buses = std::move(rig);
-  return Session::make(scene, std::move(motion), std::move(device));
+  return Session::make(std::move(scene), std::move(motion), std::move(device));
 }
 
 }  // namespace
@@ -139,11 +139,11 @@ SimTrackersConfig sim_trackers_config(const SceneConfig& scene) {
   return config;
 }
 
-Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus,
+Session::Made make_session(SceneConfig scene, Motion motion, BusChoice bus,
                            const RigProfiles& profiles) {
   if (bus == BusChoice::direct || driven_bodies(scene).empty())
-    return Session::make(scene, std::move(motion));
-  return make_simulated_session(scene, std::move(motion), profiles);
+    return Session::make(std::move(scene), std::move(motion));
+  return make_simulated_session(std::move(scene), std::move(motion), profiles);
 }
 
 }  // namespace godobject
