@@ -201,11 +201,6 @@ class Rig {
   void add_buttons();
   Eigen::Index joint_named(const std::string& name) const;
 
-  bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
-  bool ask(std::size_t bus, Nanoseconds now) noexcept;
-  bool wants_mark(std::size_t bus) noexcept;
-  template <class Function>
-  void for_each_delay(std::size_t bus, Function&& function) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
   void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept {
@@ -217,6 +212,13 @@ class Rig {
   const RigNode* node_at(const RigFaultPlace& place) const noexcept;
   NodeEvidence evidence_of(const RigNode& node) const noexcept;
   std::string evidence_text(const RigFaultRecord& record) const;
+
+  // request.cc
+  bool begin_cycle(std::size_t bus, Nanoseconds now) noexcept;
+  bool request_answers(std::size_t bus, Nanoseconds now) noexcept;
+  bool is_mark_due(std::size_t bus) noexcept;
+  template <class Function>
+  void for_each_delay(std::size_t bus, Function&& function) noexcept;
 
   // receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
