@@ -142,7 +142,7 @@ double max_encodable_torque_Nm(const DriveParams& drive) noexcept;
 /// protocol per bus.
 DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept;
 
-/// Allocates: set-up only.
+/// Makes the link of a drive. params: constant and outliving the link. Allocates: set-up only.
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s);
 
 }  // namespace godobject

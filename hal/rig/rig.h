@@ -79,12 +79,12 @@ class Rig {
   /// Cycles at zero torque in which every drive must report that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
 
-  /// params: validate(params, cycle_s) must be empty. cycle_s: period of sync(), s. buses: one per
-  /// params.buses, open, outliving the rig. Allocates, as fault_text() and place_text() do; no other function
-  /// does.
+  /// params: constant and outliving the rig; validate(params, cycle_s) must be empty. cycle_s: period of
+  /// sync(), s. buses: one per params.buses, open, outliving the rig. Allocates, as fault_text() and
+  /// place_text() do; no other function does.
   Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses);
+  Rig(const RigParams&&, double, std::span<CanBus* const>) = delete;  // a temporary would not outlive it
   Rig(Rig&&) noexcept = default;
-  Rig& operator=(Rig&&) noexcept = default;
 
   /// off -> booting: sends NMT start to all nodes.
   void start(Nanoseconds now) noexcept;
@@ -261,7 +261,7 @@ class Rig {
   DriveGoal goal() const noexcept;
   DeviceButtons buttons() const noexcept;
 
-  RigParams params_;
+  const RigParams& params_;
   KinematicTree tree_;
   std::vector<Bus> buses_;
   std::vector<RigNode> nodes_;

@@ -87,7 +87,7 @@ class BoardBusTest : public testing::Test {
     buses.push_back(std::make_unique<BoardBus>(board_->path(), BusSettings{}));
     link_ = std::make_unique<LinuxLink>(std::move(buses), to_ns(cycle_s));
     ASSERT_TRUE(link_->bus(0).open()) << link_->bus(0).trouble();
-    rig_ = std::make_unique<Rig>(two_encoders(), cycle_s, link_->buses());
+    rig_ = std::make_unique<Rig>(params_, cycle_s, link_->buses());
   }
   void cycle() {
     const Nanoseconds now = link_->begin_cycle(0);
@@ -117,6 +117,7 @@ class BoardBusTest : public testing::Test {
 
   std::unique_ptr<Board> board_ = std::make_unique<Board>();
   std::unique_ptr<LinuxLink> link_;
+  const RigParams params_ = two_encoders();
   std::unique_ptr<Rig> rig_;
   DeviceSample sample_;
 };

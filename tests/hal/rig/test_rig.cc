@@ -58,7 +58,7 @@ RigParams two_joints() {
 
 class RigTest : public testing::Test {
  protected:
-  explicit RigTest(const RigParams& params = two_joints()) : rig(params, 1e-3, buses) {}
+  explicit RigTest(RigParams of_rig = two_joints()) : params(std::move(of_rig)), rig(params, 1e-3, buses) {}
 
   void receive(const CanFrame& frame, Nanoseconds t_ns) { bus.to_receive.push_back({frame, t_ns}); }
   void heartbeats(canopen::NmtState state = canopen::NmtState::operational) {
@@ -122,6 +122,7 @@ class RigTest : public testing::Test {
 
   ScriptedBus bus;
   std::array<CanBus*, 1> buses{&bus};
+  const RigParams params;
   Rig rig;
   Nanoseconds now = 0;
   std::uint32_t encoder_counts = 0;
