@@ -44,11 +44,6 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
   return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
-inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
-  if (!c) return {};
-  return {.k = c->stiffness, .g = c->damping, .k_r = c->rotational_stiffness, .g_r = c->rotational_damping};
-}
-
 inline StopParams stop_params(const StopConfig& stop) noexcept {
   StopParams par{.k = stop.stiffness, .g = stop.damping, .width = stop.width};
   par.lower = stop.lower.value_or(par.lower);
@@ -95,9 +90,9 @@ Params<S> params_of(const SceneConfig& scene) {
     const BodyConfig& body = scene.bodies[i];
     par.bodies[i].body = rigid_body(body.mass, body.inertia);
     const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
-    par.bodies[i].coupling = imposed ? rigid_spring(par.bodies[i].body, par.h) : spring_params(body.coupling);
+    par.bodies[i].coupling = imposed ? rigid_spring(par.bodies[i].body, par.h) : body.coupling.value_or(SpringParams{});
     const bool shows = scene.device && shows_force(scene.device->kind);
-    par.bodies[i].feedback = {.gains = shows ? spring_params(body.feedback) : SpringParams{},
+    par.bodies[i].feedback = {.gains = shows ? body.feedback.value_or(SpringParams{}) : SpringParams{},
                               .max_force = limits.force,
                               .max_torque = limits.torque,
                               .max_force_rate = limits.force_rate,

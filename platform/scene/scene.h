@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/body/coupling.h"
 #include "core/joint/list.h"
 #include "core/net/net.h"
 #include "hal/rig/params.h"
@@ -17,18 +18,6 @@
 #include "platform/scene/net/config.h"
 
 namespace godobject {
-
-/// Coupling F = g e_t' + k e_t, T = g_r e_w + k_r alpha u (2). Damping ratios are resolved: g = ratio sqrt(m
-/// k), g_r = ratio sqrt(I_max k_r).
-struct CouplingConfig {
-  double stiffness = 0;             // k, N/m, >= 0
-  double damping = 0;               // g, N s/m, >= 0
-  double rotational_stiffness = 0;  // k_r, N m/rad, >= 0
-  double rotational_damping = 0;    // g_r, N m s/rad, >= 0
-};
-
-/// Displayed wrench (8), of the same form with gains of its own; all zero: no haptics.
-using FeedbackConfig = CouplingConfig;
 
 /// Bounds of the displayed wrench, and the ramp on engaging.
 struct LimitConfig {
@@ -92,8 +81,8 @@ struct BodyConfig {
   Mat3 inertia = Mat3::Identity();         // kg m^2 about the centre of mass, body axes, positive definite
   Pose X_WB;                               // pose at t = 0
   Twist V_WB;                              // velocity at t = 0
-  std::optional<CouplingConfig> coupling;  // absent: free
-  std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
+  std::optional<SpringParams> coupling;    // spring to the target (2); absent: free
+  std::optional<SpringParams> feedback;    // spring of the displayed wrench (8); absent or zero: no haptics
   std::vector<SphereConfig> spheres{};     // touch solids outside of its own tool
   std::vector<ShapeConfig> shapes{};  // touched by spheres of other bodies; without shapes its spheres are
 };

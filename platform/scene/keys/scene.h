@@ -43,36 +43,36 @@ void advise_ratio(V& v, std::string_view key, double damping, double critical_da
 /// Visits the four gains. A gain that is not given keeps its value, or has the damping ratio `ratio` if this
 /// is set.
 template <class V>
-void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
+void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, SpringParams& c) {
   const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
   const bool required = ratio.has_value();
-  v.value(Key{"stiffness", "N/m", "translational spring stiffness k", {0, 1e13}, required}, c.stiffness);
-  const double g_unit = critical(body.mass, c.stiffness);
+  v.value(Key{"stiffness", "N/m", "translational spring stiffness k", {0, 1e13}, required}, c.k);
+  const double g_unit = critical(body.mass, c.k);
   v.either(
       Key{"damping", "N s/m", "translational damping g; or give `damping_ratio`", not_negative},
       Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}},
-      g_unit, fallback(g_unit, c.damping), c.damping);
+      g_unit, fallback(g_unit, c.g), c.g);
   v.value(Key{"rotational_stiffness", "N m/rad", "rotational spring stiffness k_r", {0, 1e13}, required},
-          c.rotational_stiffness);
-  const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
+          c.k_r);
+  const double g_r_unit = critical(body.inertia, c.k_r);
   v.either(Key{"rotational_damping", "N m s/rad",
                "rotational damping g_r; or give `rotational_damping_ratio`", not_negative},
            Key{"rotational_damping_ratio",
                "",
                "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2",
                {0, 1e3}},
-           g_r_unit, fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+           g_r_unit, fallback(g_r_unit, c.g_r), c.g_r);
 }
 
 template <class V>
-void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
+void visit_coupling(V& v, const Massiveness& body, SpringParams& c) {
   visit_gains(v, body, default_damping_ratio, c);
-  advise_ratio(v, "damping", c.damping, critical(body.mass, c.stiffness));
-  advise_ratio(v, "rotational_damping", c.rotational_damping, critical(body.inertia, c.rotational_stiffness));
+  advise_ratio(v, "damping", c.g, critical(body.mass, c.k));
+  advise_ratio(v, "rotational_damping", c.g_r, critical(body.inertia, c.k_r));
 }
 
 template <class V>
-void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
+void visit_feedback(V& v, const Massiveness& body, const SpringParams& coupling, SpringParams& f) {
   double scale = 0;
   v.shorthand(Key{"scale",
                   "",
@@ -81,8 +81,7 @@ void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& couplin
                   {0, 1e3}},
               scale);
   if (scale > 0)
-    f = {.stiffness = scale * coupling.stiffness,
-         .rotational_stiffness = scale * coupling.rotational_stiffness};
+    f = {.k = scale * coupling.k, .k_r = scale * coupling.k_r};
   visit_gains(v, body, std::nullopt, f);
 }
 
@@ -123,14 +122,14 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   optional_table(v,
                  TableKey{"coupling",
                           "Spring and damper that pull the body to its target; without it the body is free."},
-                 b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
+                 b.coupling, [&](auto& t, SpringParams& c) { visit_coupling(t, body, c); });
   optional_table(v,
                  TableKey{"feedback",
                           "Spring and damper of the displayed wrench; without it there is no haptic "
                           "feedback. Same keys as the coupling's, and `scale`."},
-                 b.feedback, [&](auto& t, FeedbackConfig& f) {
+                 b.feedback, [&](auto& t, SpringParams& f) {
                    t.check(b.coupling.has_value(), "", "feedback requires a coupling: add [body.coupling]");
-                   visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
+                   visit_feedback(t, body, b.coupling.value_or(SpringParams{}), f);
                  });
   visit_spheres_and_shapes(v, b);
   const auto doubt = [&](std::string_view key, const std::string& text) {

@@ -61,7 +61,7 @@ TEST(TopSpeed, IsTheSmallerOfTravelAndEnergy) {
   EXPECT_EQ(soft.hand, std::numeric_limits<double>::infinity()) << "no hand";
   scene.contacts[0].stiffness = 1e6;
   EXPECT_EQ(top_speed(scene)->top(), top_speed(scene)->travel);
-  scene.bodies[0].coupling = CouplingConfig{.stiffness = 1e6};
+  scene.bodies[0].coupling = SpringParams{.k = 1e6};
   EXPECT_NEAR(top_speed(scene)->hand, 2 * (r + wall / 2), 1e-12);
 }
 
@@ -87,7 +87,7 @@ TEST(TopSpeed, IsThatOfTheThinnestPair) {
 
 TEST(TopSpeed, OfAPrescribedBodyIsItsTravelAgainstBodiesThatItCanPush) {
   SceneConfig scene = sphere_and_wall(2e4);
-  scene.bodies[0].coupling = CouplingConfig{.stiffness = 1e3};
+  scene.bodies[0].coupling = SpringParams{.k = 1e3};
   scene.coupling = CouplingMode::imposed;
   EXPECT_FALSE(top_speed(scene)) << "no wall stops it";
   scene.obstacles.clear();  // they stop the brick

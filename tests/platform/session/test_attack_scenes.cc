@@ -23,7 +23,7 @@ std::string label(const SceneConfig& scene, const std::string& name, unsigned se
   std::ostringstream text;
   text << name << ", seed " << seed << ": " << scene.integrator << ", step " << scene.step << ", masses";
   for (const BodyConfig& body : scene.bodies) text << ' ' << body.mass;
-  if (scene.bodies[0].coupling) text << ", coupling " << scene.bodies[0].coupling->stiffness;
+  if (scene.bodies[0].coupling) text << ", coupling " << scene.bodies[0].coupling->k;
   if (!scene.contacts.empty()) text << ", contact " << scene.contacts[0].stiffness;
   return text.str();
 }
