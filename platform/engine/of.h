@@ -44,13 +44,6 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
   return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
-inline StopParams stop_params(const StopConfig& stop) noexcept {
-  StopParams par{.k = stop.stiffness, .g = stop.damping, .width = stop.width};
-  par.lower = stop.lower.value_or(par.lower);
-  par.upper = stop.upper.value_or(par.upper);
-  return par;
-}
-
 template <class Joints>
 typename Joints::Params joint_params_of(const SceneConfig& scene, const JointConfig& joint) {
   typename Joints::Params par;
@@ -58,7 +51,7 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
   if constexpr (uses<typename Joints::Stops>) {
     for (const StopConfig& stop : joint.stops)
       for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
-        if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop_params(stop);
+        if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop.params;
   }
   if constexpr (uses<typename Joints::Prescribed>) par.motion.prescribed = joint.imposed;
   return par;

@@ -10,6 +10,7 @@
 
 #include "core/body/coupling.h"
 #include "core/joint/list.h"
+#include "core/joint/stops.h"
 #include "core/net/net.h"
 #include "hal/rig/params.h"
 #include "hal/rig/simulation.h"
@@ -92,11 +93,8 @@ inline constexpr const char* world_name = "world";
 
 /// Springs at the ends of one coordinate of a joint (19).
 struct StopConfig {
-  std::string coordinate;              // name of the joint's coordinate
-  std::optional<double> lower, upper;  // rad or m; absent: no stop at that end
-  double stiffness = 0;                // N m/rad or N/m, beyond `width`
-  double damping = 0;                  // N m s/rad or N s/m, acting inwards only
-  double width = 0;                    // rad or m over which both rise from zero, > 0
+  std::string coordinate;  // name of the joint's coordinate
+  StopParams params{};     // an infinite end has no stop
 };
 
 struct JointConfig {

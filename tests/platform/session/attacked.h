@@ -104,11 +104,10 @@ inline void set_stiffness(BodyConfig& body, double k, double k_r, double ratio =
 inline void set_contact(SceneConfig& scene, double k, double ratio, double mu) {
   double m = scene.bodies.at(0).mass;
   for (const BodyConfig& body : scene.bodies) m = std::min(m, body.mass);
-  ContactConfig& law = scene.contacts.at(0);
-  law.stiffness = k;
-  law.damping = ratio * std::sqrt(m * k);
-  law.friction = mu;
-  law.tangential_stiffness = law.tangential_damping = std::nullopt;
+  ContactLaw& law = scene.contacts.at(0).law;
+  law.k = law.k_t = k;
+  law.c = law.c_t = ratio * std::sqrt(m * k);
+  law.mu = mu;
 }
 
 /// Rotates bodies and their fixed parents about the world's origin, not the obstacles.
