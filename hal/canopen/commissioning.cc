@@ -25,8 +25,8 @@ class NodeCommissioning {
         bus_(bus),
         node_id_(setup.node_id),
         profile_(std::move(profile)),
-        sequence_(setup.node_id, commissioning_steps(profile_, cycle_s, setup),
-                  to_ns(profile_.sdo_timeout_s), to_ns(profile_.mode_timeout_s)) {}
+        sequence_(setup.node_id, commissioning_steps(profile_, cycle_s, setup), to_ns(profile_.sdo_timeout_s),
+                  to_ns(profile_.mode_timeout_s)) {}
 
   std::size_t bus() const noexcept { return bus_; }
   Phase phase() const noexcept { return phase_; }
@@ -143,7 +143,8 @@ Commissioning::Commissioning(const RigParams& params, double cycle_s, const RigP
     setup.host_node_id = params.host_node_id;
     std::string name = std::string(kind) + " of joint '" + device.joint + "' (" +
                        params.buses[device.bus].name + " node " + std::to_string(device.node_id) + ")";
-    nodes_.push_back(std::make_unique<NodeCommissioning>(std::move(name), device.bus, cycle_s, *profile, setup));
+    nodes_.push_back(
+        std::make_unique<NodeCommissioning>(std::move(name), device.bus, cycle_s, *profile, setup));
   };
   for (std::size_t i = 0; i < profiles.encoders.size(); ++i)
     add("encoder", params.encoders[i], profiles.encoders[i], {});

@@ -43,8 +43,8 @@ class Checker {
 
   void check_timing() {
     require_positive(cycle_s_, "", "step");
-    require(rig_.stale_after_s >= cycle_s_, "stale_after is ", rig_.stale_after_s, ", must be at least step (",
-            cycle_s_, ")");
+    require(rig_.stale_after_s >= cycle_s_, "stale_after is ", rig_.stale_after_s,
+            ", must be at least step (", cycle_s_, ")");
     require_positive(rig_.lost_after_s, "", "lost_after");
     require_positive(rig_.boot_timeout_s, "", "boot_timeout");
     require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout");

@@ -83,7 +83,8 @@ Params<S> params_of(const SceneConfig& scene) {
     const BodyConfig& body = scene.bodies[i];
     par.bodies[i].body = rigid_body(body.mass, body.inertia);
     const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
-    par.bodies[i].coupling = imposed ? rigid_spring(par.bodies[i].body, par.h) : body.coupling.value_or(SpringParams{});
+    par.bodies[i].coupling =
+        imposed ? rigid_spring(par.bodies[i].body, par.h) : body.coupling.value_or(SpringParams{});
     const bool shows = scene.device && shows_force(scene.device->kind);
     par.bodies[i].feedback = {.gains = shows ? body.feedback.value_or(SpringParams{}) : SpringParams{},
                               .max_force = limits.force,

@@ -78,14 +78,14 @@ struct DeviceConfig {
 
 struct BodyConfig {
   std::string name;
-  double mass = 1;                         // kg, > 0
-  Mat3 inertia = Mat3::Identity();         // kg m^2 about the centre of mass, body axes, positive definite
-  Pose X_WB;                               // pose at t = 0
-  Twist V_WB;                              // velocity at t = 0
-  std::optional<SpringParams> coupling;    // spring to the target (2); absent: free
-  std::optional<SpringParams> feedback;    // spring of the displayed wrench (8); absent or zero: no haptics
-  std::vector<SphereConfig> spheres{};     // touch solids outside of its own tool
-  std::vector<ShapeConfig> shapes{};  // touched by spheres of other bodies; without shapes its spheres are
+  double mass = 1;                       // kg, > 0
+  Mat3 inertia = Mat3::Identity();       // kg m^2 about the centre of mass, body axes, positive definite
+  Pose X_WB;                             // pose at t = 0
+  Twist V_WB;                            // velocity at t = 0
+  std::optional<SpringParams> coupling;  // spring to the target (2); absent: free
+  std::optional<SpringParams> feedback;  // spring of the displayed wrench (8); absent or zero: no haptics
+  std::vector<SphereConfig> spheres{};   // touch solids outside of its own tool
+  std::vector<ShapeConfig> shapes{};     // touched by spheres of other bodies; without shapes its spheres are
 };
 
 /// Name of the ground in joints and messages. No body has this name.

@@ -51,6 +51,8 @@ class Session {
   /// For a simulated device see platform/simulated/session.h.
   static Made make(SceneConfig scene, Motion motion, std::unique_ptr<RigLink> buses);
   static Made make(SceneConfig scene, Motion motion, DeviceParts device);
+  Session(const Session&) = delete;  // the devices refer to scene_
+  Session& operator=(const Session&) = delete;
 
   /// Adds a device, which overwrites the samples of those before it. Call it before start(). The device must
   /// outlive the session. Allocates.

@@ -139,8 +139,7 @@ SimTrackersConfig sim_trackers_config(const SceneConfig& scene) {
   return config;
 }
 
-Session::Made make_session(SceneConfig scene, Motion motion, BusChoice bus,
-                           const RigProfiles& profiles) {
+Session::Made make_session(SceneConfig scene, Motion motion, BusChoice bus, const RigProfiles& profiles) {
   if (bus == BusChoice::direct || driven_bodies(scene).empty())
     return Session::make(std::move(scene), std::move(motion));
   return make_simulated_session(std::move(scene), std::move(motion), profiles);

@@ -58,9 +58,9 @@ inline std::vector<FaultReaction> fault_reactions(const RigParams& rig, double c
       reaction.expected = reaction.expected | promised.fault;
       if (promised.within == FaultDelay::duration) continue;  // never the first
       const auto within_ns = bound(promised.within, rig, cycle_s, 0);
-      const int within =
-          within_ns ? static_cast<int>(std::lround(1e-9 * static_cast<double>(*within_ns) / cycle_s))
-                    : cycles_of_travel;
+      const int within = within_ns
+                             ? static_cast<int>(std::lround(1e-9 * static_cast<double>(*within_ns) / cycle_s))
+                             : cycles_of_travel;
       if (reaction.within == 0 || (promised.always && within < reaction.within)) reaction.within = within;
     }
     out.push_back(reaction);

@@ -119,9 +119,8 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   const bool has_rig = scene->device->rig.has_value();
   RigProfilesResult devices;
   if (has_rig) {
-    devices =
-        load_profiles(*scene->device->rig, scene->step,
-                      std::filesystem::path(options.scene).parent_path().string(), options.scene);
+    devices = load_profiles(*scene->device->rig, scene->step,
+                            std::filesystem::path(options.scene).parent_path().string(), options.scene);
     apply_profiles(devices.profiles, *scene->device->rig);
   }
   append(out.errors, devices.errors);

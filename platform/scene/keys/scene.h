@@ -80,8 +80,7 @@ void visit_feedback(V& v, const Massiveness& body, const SpringParams& coupling,
                   "scaled: sampled damping requires as much damping in the device",
                   {0, 1e3}},
               scale);
-  if (scale > 0)
-    f = {.k = scale * coupling.k, .k_r = scale * coupling.k_r};
+  if (scale > 0) f = {.k = scale * coupling.k, .k_r = scale * coupling.k_r};
   visit_gains(v, body, std::nullopt, f);
 }
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <limits>
 #include <set>
+#include <type_traits>
 
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
@@ -55,6 +56,12 @@ RigParams two_joints() {
                  .calibration = {.counts_per_unit = 1000}}};
   return rig;
 }
+
+// A rig without its cycle, or with params that do not outlive it, does not compile.
+using Buses = std::span<CanBus* const>;
+static_assert(std::is_constructible_v<Rig, const RigParams&, double, Buses>);
+static_assert(!std::is_constructible_v<Rig, const RigParams&, Buses>);
+static_assert(!std::is_constructible_v<Rig, RigParams, double, Buses>);
 
 class RigTest : public testing::Test {
  protected:

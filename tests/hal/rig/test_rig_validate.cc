@@ -139,8 +139,7 @@ const BrokenRule broken_rules[] = {
      [](RigParams& r) {
        r.buttons = {{.node_id = 5, .bit = 3}, {.node_id = 5, .bit = 3}};
      }},
-    {"torque_max_Nm is 4, must be at most 3.2767 with",
-     [](RigParams& r) { r.drives[0].torque_max_Nm = 4; }},
+    {"torque_max_Nm is 4, must be at most 3.2767 with", [](RigParams& r) { r.drives[0].torque_max_Nm = 4; }},
     {"torque_rate_Nm_per_s is -1", [](RigParams& r) { r.drives[0].torque_rate_Nm_per_s = -1; }},
     {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},
     {"status_every_nth_sync is 241", [](RigParams& r) { r.drives[0].status_every_nth_sync = 241; }},

@@ -97,8 +97,8 @@ class LogOfARig : public ProgramTest {
       std::ofstream& out;
       const RigParams& params;
     } writer{file, params};
-    SimLink link({.rig = params, .plant = {}, .wire = {}, .faults = {}},
-                 period_s, std::make_shared<TurningHand>(params.tree.joints.size()), period / 16);
+    SimLink link({.rig = params, .plant = {}, .wire = {}, .faults = {}}, period_s,
+                 std::make_shared<TurningHand>(params.tree.joints.size()), period / 16);
     link.set_observer({.on_frame =
                            [](void* context, std::size_t bus, const ReceivedFrame& received) {
                              const auto& to = *static_cast<Writer*>(context);

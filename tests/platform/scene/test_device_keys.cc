@@ -175,7 +175,8 @@ std::string button(int node_id, int bit, const std::string& more = "") {
 
 TEST(DeviceKeys, TorqueLimitIsOneThatCommandsEncode) {
   const auto errors = [](const std::string& more) {
-    return load(with_bus(classic_bus, drive("a", "bus = \"can1\"\nnode_id = 9\ntorque_rated_Nm = 0.1\n" + more)))
+    return load(with_bus(classic_bus,
+                         drive("a", "bus = \"can1\"\nnode_id = 9\ntorque_rated_Nm = 0.1\n" + more)))
         .errors;
   };
   EXPECT_THAT(errors("torque_max_Nm = 3.2767\n"), IsEmpty());

@@ -94,10 +94,8 @@ inline Course course_of(const SceneConfig& scene, double seconds) {
 /// Sets stiffness and damping. ratio: damping ratio, as in scene files.
 inline void set_stiffness(BodyConfig& body, double k, double k_r, double ratio = 1.4) {
   const double I = principal_moments(body.inertia).z();
-  body.coupling = SpringParams{.k = k,
-                               .g = ratio * std::sqrt(body.mass * k),
-                               .k_r = k_r,
-                               .g_r = ratio * std::sqrt(I * k_r)};
+  body.coupling = SpringParams{
+      .k = k, .g = ratio * std::sqrt(body.mass * k), .k_r = k_r, .g_r = ratio * std::sqrt(I * k_r)};
 }
 
 /// Sets the contact law. ratio: c / sqrt(m k) of the lightest body, as in scene files.
