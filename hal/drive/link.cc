@@ -1,6 +1,6 @@
 #include "hal/drive/link.h"
 
-#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "hal/drive/cia402_link.h"
@@ -65,11 +65,6 @@ BusProtocol bus_protocol(DriveProtocol protocol) noexcept {
 double max_encodable_torque_Nm(const DriveParams& drive) noexcept {
   const std::optional<double> per_rated = bus_protocol(drive.protocol).max_torque_per_rated;
   return per_rated ? *per_rated * drive.torque_rated_Nm : std::numeric_limits<double>::infinity();
-}
-
-DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept {
-  const auto drive = std::ranges::find(rig.drives, bus, &DriveParams::bus);
-  return drive == rig.drives.end() ? DriveProtocol::cia402 : drive->protocol;
 }
 
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s) {

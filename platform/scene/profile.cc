@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "hal/canopen/profile_validate.h"
+#include "hal/rig/profile_validate.h"
 #include "platform/scene/keys/profile.h"
 #include "platform/scene/text/key_reference.h"
 #include "shipped_profiles.h"
@@ -56,7 +56,7 @@ ProfileResult parse_profile(std::string_view toml, const std::string& file) {
 }
 
 std::string profile_reference_markdown() {
-  std::string out = KeyReference::table_head;
+  std::string out;
   KeyReference reference(out);
   NodeProfile defaults;
   read_profile(reference, defaults);

@@ -52,7 +52,7 @@ std::span<const FaultPromise> fault_promises() noexcept;
 std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, double cycle_s,
                                  Nanoseconds duration_ns) noexcept;
 
-/// Returns the table of docs/faults.md in Markdown.
+/// Returns the list of docs/faults.md in Markdown.
 std::string fault_promises_markdown();
 
 }  // namespace godobject
