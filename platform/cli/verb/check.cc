@@ -119,7 +119,7 @@ void print_all(const PreparedRun& prepared) {
   print_top_speed(scene);
   if (scene.device && scene.device->rig) {
     std::puts("");
-    for (const std::string& line : time_to_zero_lines(*scene.device->rig, prepared.profiles))
+    for (const std::string& line : time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles))
       std::puts(line.c_str());
   }
   print_passivity(prepared.passivity);
