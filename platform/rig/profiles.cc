@@ -5,7 +5,7 @@
 
 #include "hal/canopen/profile_validate.h"
 #include "hal/drive/watchdog.h"
-#include "platform/scene/profile.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 

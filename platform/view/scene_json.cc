@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/view/frame.h"
 #include "platform/view/joint_pointer.h"
 #include "platform/view/nets.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "platform/trace/nets.h"
+#include "platform/trace/trace.h"
 #include "platform/view/recorded/number_rows.h"
 
 namespace godobject {
