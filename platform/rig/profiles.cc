@@ -5,7 +5,7 @@
 
 #include "hal/rig/profile_validate.h"
 #include "hal/rig/watchdog.h"
-#include "platform/scene/profile.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 

@@ -6,8 +6,6 @@
 
 #include "hal/rig/profile_validate.h"
 #include "hal/rig/validate.h"
-#include "platform/scene/fault_file.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"

@@ -10,10 +10,9 @@
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
 #include "platform/rig/load_advice.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/contact/spheres_alone.h"
 #include "platform/scene/toml.h"
-#include "platform/scene/top_speed.h"
 
 namespace godobject {
 namespace {
