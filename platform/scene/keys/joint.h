@@ -1,4 +1,4 @@
-// All keys of a [[joint]]. Visitors: platform/scene/text/visit.h.
+// All keys of a [[joint]]. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <array>
@@ -7,11 +7,9 @@
 #include <set>
 
 #include "core/math/so3.h"
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
-#include "platform/scene/joint/tree.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -26,6 +24,15 @@ inline std::string rounded(double x) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", x);
   return text.data();
+}
+
+/// Visits an end of a stop. end: infinite without a stop at this end.
+template <class V>
+void visit_stop_end(V& v, const Key& key, double& end) {
+  std::optional<double> given;
+  if (std::isfinite(end)) given = end;
+  v.value(key, given);
+  if (given) end = *given;
 }
 
 template <class V>
@@ -43,13 +50,15 @@ void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
       !none, "",
       "joint '" + j.name +
           "' has no coordinate for a stop: remove the [[joint.stop]] table, or use another kind of joint");
-  v.value(Key{"lower", "rad or m", "lower end; turns are counted, beyond +-pi too"}, s.lower);
-  v.value(Key{"upper", "rad or m", "upper end"}, s.upper);
-  v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
-  v.check(!(s.lower && s.upper) || *s.lower < *s.upper, "upper", "must be above lower");
-  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.stiffness);
-  v.value(Key{"damping", "N m s/rad or N s/m", "beyond `width`, inwards only", not_negative}, s.damping);
-  v.value(Key{"width", "rad or m", "travel over which both rise from zero", positive, true}, s.width);
+  visit_stop_end(v, Key{"lower", "rad or m", "lower end; turns are counted, beyond +-pi too"},
+                 s.params.lower);
+  visit_stop_end(v, Key{"upper", "rad or m", "upper end"}, s.params.upper);
+  v.check(std::isfinite(s.params.lower) || std::isfinite(s.params.upper), "",
+          "the stop has no end: give lower, upper or both");
+  v.check(s.params.lower < s.params.upper, "upper", "must be above lower");
+  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.params.k);
+  v.value(Key{"damping", "N m s/rad or N s/m", "beyond `width`, inwards only", not_negative}, s.params.g);
+  v.value(Key{"width", "rad or m", "travel over which both rise from zero", positive, true}, s.params.width);
 }
 
 template <class V>
