@@ -19,9 +19,8 @@ void write_question(std::ostream& out, const StudyOptions& options) {
       << (options.quick ? "**A quick run: small grids, short scenes.** " : "")
       << "Every number below comes from that run.\n\n"
       << "## What was asked\n\n"
-      << "Error against run time of each integrator, for tools, contacts and nets; stability in stiff and "
-         "extreme "
-         "cases; what a part costs.\n\n";
+      << "Error against run time of each integrator; stability in stiff and extreme cases; what a part "
+         "costs.\n\n";
 }
 
 constexpr const char* error_method = R"(## How
