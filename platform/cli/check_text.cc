@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/setup.h"
-#include "hal/drive/watchdog.h"
+#include "hal/rig/watchdog.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/net/report.h"
 #include "platform/scene/top_speed.h"

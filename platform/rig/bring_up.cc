@@ -6,10 +6,10 @@
 #include <thread>
 #include <utility>
 
-#include "hal/canopen/commissioning.h"
-#include "hal/canopen/profile_validate.h"
-#include "hal/drive/watchdog.h"
+#include "hal/rig/commissioning.h"
+#include "hal/rig/profile_validate.h"
 #include "hal/rig/rig.h"
+#include "hal/rig/watchdog.h"
 #include "platform/rt/clock.h"
 #include "platform/scene/profile.h"
 

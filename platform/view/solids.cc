@@ -100,7 +100,7 @@ Solid solid_of_inertia(double mass, const Mat3& inertia) {
     solid.kind = SolidKind::cylinder;
     solid.size = Vec3(root(r_sq), 0.5 * root(l_sq), 0);
     const Vec3 z = R.col(rod ? 0 : 2);
-    solid.X.q = Quat::FromTwoVectors(Vec3::UnitZ(), z.z() < 0 ? Vec3(-z) : z);
+    solid.X.q = turn_from_z(z.z() < 0 ? Vec3(-z) : z);
     return solid;
   }
   // I_x = m (b^2 + c^2) / 3 of half extents a, b, c: a^2 = 3 (I_y + I_z - I_x) / 2 m

@@ -10,6 +10,7 @@
 
 #include "hal/can/timing.h"
 #include "hal/drive/link.h"
+#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "hal/canopen/profile_validate.h"
+#include "hal/rig/profile_validate.h"
 #include "hal/rig/validate.h"
 #include "platform/cli/command_line.h"
 #include "platform/cli/program.h"

@@ -72,7 +72,7 @@ MeshData box(const Vec3& half) {
 }
 
 void place(MeshData& mesh, const Vec3& a, const Vec3& b) {
-  const Quat q = Quat::FromTwoVectors(Vec3::UnitZ(), b - a);
+  const Quat q = turn_from_z(b - a);
   for (Vec3& p : mesh.vertices) p = a + q * p;
 }
 
