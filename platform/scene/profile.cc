@@ -56,7 +56,7 @@ ProfileResult parse_profile(std::string_view toml, const std::string& file) {
 }
 
 std::string profile_reference_markdown() {
-  std::string out = KeyReference::table_head;
+  std::string out;
   KeyReference reference(out);
   NodeProfile defaults;
   read_profile(reference, defaults);

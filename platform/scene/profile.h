@@ -20,7 +20,7 @@ struct ProfileResult {
 ProfileResult parse_profile(std::string_view toml, const std::string& file);
 ProfileResult load_profile(const std::string& path);
 
-/// Returns the keys as Markdown tables for docs/canopen.md.
+/// Returns the keys as Markdown lists for docs/canopen.md.
 std::string profile_reference_markdown();
 
 struct RigProfilesResult {

@@ -26,7 +26,7 @@ LoadResult parse_scene(std::string_view toml, const std::string& file, const Fau
 /// Returns every value in effect, with defaults, as a scene file of the same configuration.
 std::string effective_config_toml(const SceneConfig& scene);
 
-/// Returns the key tables of docs/scenes.md in Markdown.
+/// Returns the lists of keys of docs/scenes.md in Markdown.
 std::string scene_reference_markdown();
 
 }  // namespace godobject

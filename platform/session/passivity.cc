@@ -24,8 +24,8 @@ Matrix exponential(Matrix A) {
   return Matrix::Identity(A.rows(), A.cols()) + E;
 }
 
-/// Returns the largest absolute eigenvalue, the limit of |A^n|^(1/n), at n = 2^40 by squaring. Eigen's solvers
-/// of eigenvalues cost 12 s of each compilation.
+/// Returns the largest absolute eigenvalue, the limit of |A^n|^(1/n), at n = 2^40 by squaring. Eigen's
+/// solvers of eigenvalues cost 12 s of each compilation.
 double spectral_radius(Matrix A) {
   double log_radius = 0, share = 1;
   for (int squarings = 0; squarings < 40; ++squarings) {

@@ -50,7 +50,7 @@ std::span<const FaultPromise> fault_promises() noexcept;
 /// Returns the bound of a delay, ns; nullopt for travel. duration_ns: duration of the injected fault.
 std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanoseconds duration_ns) noexcept;
 
-/// Returns the table of docs/faults.md in Markdown.
+/// Returns the list of docs/faults.md in Markdown.
 std::string fault_promises_markdown();
 
 }  // namespace godobject

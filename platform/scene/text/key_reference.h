@@ -1,5 +1,5 @@
-// Writes the reference of the scene format, one Markdown table per TOML table. A visitor of
-// platform/scene/keys/scene.h with default values.
+// Writes the reference of the scene format, one Markdown list per TOML table:
+// key (type, unit, range; default): meaning. A visitor of platform/scene/keys/scene.h with default values.
 #pragma once
 
 #include <concepts>
@@ -14,9 +14,6 @@ namespace godobject {
 
 class KeyReference {
  public:
-  static constexpr const char* table_head =
-      "| key | type | unit | range | default | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
-
   explicit KeyReference(std::string& out, std::string path = "") : out_(out), path_(std::move(path)) {}
 
   void value(const Key& key, double x) { row(key, "number", shortest(x)); }
@@ -25,33 +22,35 @@ class KeyReference {
   }
   void value(const Key& key, const Vec3& x);
   void value(const Key& key, bool x) { row(key, "boolean", x ? "true" : "false"); }
-  void value(const Key& key, const std::optional<double>&) { row(key, "number", "none"); }
+  void value(const Key& key, const std::optional<double>&) { row(key, "number", ""); }
   /// Writes a key of type T without a default.
   template <class T>
   void absent(const Key& key) {
     // cppcheck-suppress assignBoolToPointer
     constexpr const char* type = std::same_as<T, bool> ? "boolean" : std::integral<T> ? "integer" : "number";
-    row(key, type, "none");
+    row(key, type, "");
   }
-  void value(const Key& key, const std::optional<Vec3>&) { row(key, "3 numbers", "none"); }
-  void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", "none"); }
+  void value(const Key& key, const std::optional<Vec3>&) { row(key, "vector", ""); }
+  void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", ""); }
   template <std::integral T>
   void value(const Key& key, T x) {
     row(key, "integer", std::to_string(x));
   }
   std::string path(const Key& key, const std::string&) {
-    row(key, "string: path of a file", "none");
+    row(key, "path", "");
     return "";
   }
-  void shorthand(const Key& key, double) { row(key, "number", "none"); }
-  void shorthand(const Key& key, const std::string&) { row(key, "string", "none"); }
+  void shorthand(const Key& key, double) { row(key, "number", ""); }
+  void shorthand(const Key& key, const std::string&) { row(key, "string", ""); }
   void shorthand(const Key& key, const Vec3& x) { value(key, x); }
   void shorthand(const Key& key, const Quat& q) { attitude(key, q); }
   void either(const Key& key, const Key& other, double unit_of_other, std::optional<double> fallback,
               double x);
   void unit_vector(const Key& key, const Vec3& x) { value(key, x); }
-  void attitude(const Key& key, const Quat&) { row(key, "unit quaternion [w, x, y, z]", "[1, 0, 0, 0]"); }
-  void inertia(const Key& key, const Mat3&) { row(key, "3 principal moments, or 3x3", ""); }
+  void attitude(const Key& key, const Quat&) { row(key, "quaternion", "identity"); }
+  /// Writes one line for position and orientation.
+  void pose(std::string_view position, std::string_view orientation, std::string_view of);
+  void inertia(const Key& key, const Mat3&) { row(key, "3 moments or 3x3", ""); }
   void one_of(const Key& key, const std::vector<std::string>& names, std::size_t index);
 
   template <class F>
@@ -71,6 +70,8 @@ class KeyReference {
   unsigned line_of(std::string_view) const { return 0; }
   void check(bool, std::string_view, const std::string&) {}
   void advise(bool, std::string_view, const std::string&) {}
+  /// Writes one line for the keys from `first` to `last`, which are those of another table.
+  void keys_of(std::string_view table, std::string_view first, std::string_view last);
 
  private:
   void row(const Key& key, const std::string& type, const std::string& default_text);

@@ -4,6 +4,7 @@
 //   path         a file in the folder of the file being read, or below; returns its path
 //   either       two spellings of one number: value, or other * unit_of_other; else the fallback
 //   shorthand    a value that only sets defaults of other members, never written
+//   pose, keys_of   only in the reference: one line for both keys of a pose, or for keys of another table
 //   table, tables, has, check, advise               structure, and rules beyond a single range
 // Within a table values come before sub-tables, as TOML requires.
 #pragma once
@@ -67,6 +68,8 @@ void visit_name(V& v, std::string_view meaning, std::string& name) {
 
 template <class V>
 void visit_pose(V& v, std::string_view position, std::string_view orientation, std::string_view of, Pose& X) {
+  if constexpr (requires { v.pose(position, orientation, of); })
+    return v.pose(position, orientation, of);  // the reference has one line for both
   const std::string p_meaning = "position of " + std::string(of),
                     q_meaning = "attitude of " + std::string(of);
   v.value(Key{position, "m", p_meaning}, X.p);
