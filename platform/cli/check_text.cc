@@ -73,7 +73,8 @@ void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
 void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& lines) {
   const SceneConfig& scene = prepared.session->scene();
   if (!scene.device || !scene.device->rig) return;
-  const std::vector<std::string> table = time_to_zero_lines(*scene.device->rig, prepared.profiles);
+  const std::vector<std::string> table =
+      time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles);
   for (std::size_t i = 1; i < table.size(); ++i)
     lines.push_back(
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
@@ -179,12 +180,13 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
   return lines;
 }
 
-std::vector<std::string> time_to_zero_lines(const RigParams& rig, const RigProfiles& profiles) {
+std::vector<std::string> time_to_zero_lines(const RigParams& rig, double cycle_s,
+                                            const RigProfiles& profiles) {
   if (rig.drives.empty()) return {};
   std::vector<std::string> lines{"# time to zero torque after the death of this program"};
   for (std::size_t i = 0; i < rig.drives.size(); ++i) {
     const DriveParams& drive = rig.drives[i];
-    const TimeToZero time = time_to_zero(rig, i, profiles);
+    const TimeToZero time = time_to_zero(rig, cycle_s, i, profiles);
     lines.push_back(
         row(drive.joint + " (" + rig.buses[drive.bus].name + " node " + std::to_string(drive.node_id) + ")",
             milliseconds(time.s), time.mechanism));

@@ -42,10 +42,10 @@ RigProfiles checked_profiles(SceneConfig& scene, const std::string& scene_file,
                              std::vector<std::string>& errors) {
   RigParams& rig = *scene.device->rig;
   RigProfilesResult loaded =
-      load_profiles(rig, std::filesystem::path(scene_file).parent_path().string(), scene_file);
+      load_profiles(rig, scene.step, std::filesystem::path(scene_file).parent_path().string(), scene_file);
   errors.insert(errors.end(), loaded.errors.begin(), loaded.errors.end());
   if (loaded.errors.empty() && shows_force(scene.device->kind))
-    for (const std::string& line : missing_watchdogs(rig, loaded.profiles))
+    for (const std::string& line : missing_watchdogs(rig, scene.step, loaded.profiles))
       errors.push_back(scene_file + ": " + line);
   apply_profiles(loaded.profiles, rig);
   return std::move(loaded.profiles);
@@ -68,7 +68,7 @@ bool pause(double s, const std::atomic<bool>& stop) {
 }
 
 std::vector<std::string> commission(const RigOnBuses& real, const std::atomic<bool>& stop) {
-  Commissioning nodes(real.rig, real.profiles, real.link.buses());
+  Commissioning nodes(real.rig, real.cycle_s, real.profiles, real.link.buses());
   const MonotonicClock clock;
   while (!nodes.done() && !stop) {
     nodes.poll(clock.now());
@@ -82,11 +82,11 @@ std::vector<std::string> bring_up(const RigOnBuses& real, const std::atomic<bool
   return commission(real, stop);
 }
 
-std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link) {
+std::vector<LastWords> last_words(const RigParams& params, double cycle_s, LinuxLink& link) {
   std::vector<FrameNotebook> notes(link.num_buses());
   std::vector<CanBus*> buses;
   for (FrameNotebook& note : notes) buses.push_back(&note);
-  Rig rig(params, buses);
+  Rig rig(params, cycle_s, buses);
   rig.start(0);
   rig.stop();
   std::vector<LastWords> words;

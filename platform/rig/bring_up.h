@@ -26,6 +26,7 @@ struct RigOnBuses {
   LinuxLink& link;
   const RigAddresses& where;
   const RigParams& rig;
+  double cycle_s;  // SYNC period, s
   const RigProfiles& profiles;
 
   /// True for a pseudo-terminal. The program that simulates the device opens its other end.
@@ -65,6 +66,6 @@ class FrameNotebook final : public CanBus {
 
 /// Returns the frames that Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational.
 /// Valid until a bus is closed.
-std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link);
+std::vector<LastWords> last_words(const RigParams& params, double cycle_s, LinuxLink& link);
 
 }  // namespace godobject

@@ -69,7 +69,7 @@ ProfileResult load_profile(const std::string& path) {
   return parse_profile(*file.text, path);
 }
 
-RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder,
+RigProfilesResult load_profiles(const RigParams& rig, double cycle_s, const std::string& scene_folder,
                                 const std::string& scene_file) {
   RigProfilesResult out;
   std::set<std::string> reported;  // nodes that share a profile share its errors
@@ -90,7 +90,7 @@ RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_f
   for (const EncoderParams& encoder : rig.encoders) out.profiles.encoders.push_back(load("encoder", encoder));
   for (const DriveParams& drive : rig.drives) out.profiles.drives.push_back(load("drive", drive));
   if (!out.errors.empty()) return out;
-  out.errors = validate(rig, out.profiles);
+  out.errors = validate(rig, cycle_s, out.profiles);
   return out;
 }
 

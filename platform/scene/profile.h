@@ -30,8 +30,9 @@ struct RigProfilesResult {
 
 /// Loads the profiles of the rig's encoders and drives. A name with '/' or ending in ".toml" is a path from
 /// scene_folder. Any other NAME is NAME.toml in scene_folder or among the shipped ones.
-/// scene_file: file name in messages, with the line of the profile's name; empty: omitted.
-RigProfilesResult load_profiles(const RigParams& rig, const std::string& scene_folder,
+/// cycle_s: SYNC period, s. scene_file: file name in messages, with the line of the profile's name; empty:
+/// omitted.
+RigProfilesResult load_profiles(const RigParams& rig, double cycle_s, const std::string& scene_folder,
                                 const std::string& scene_file = "");
 
 /// Returns the names of the shipped profiles.

@@ -28,7 +28,7 @@ LoadResult parse_scene(std::string_view toml, const std::string& file, const Fau
   reader.finish();
   if (!log.ok()) return {std::nullopt, log.errors(), log.warnings()};
   if (scene.integrator.empty()) scene.integrator = default_integrator(scene);
-  return {scene, {}, log.warnings()};
+  return {std::move(scene), {}, log.warnings()};
 }
 
 LoadResult load_scene(const std::string& path, const FaultChecks& checks) {

@@ -53,7 +53,7 @@ std::vector<ToolSums> tool_sums(const SceneConfig& scene, const std::vector<std:
   for (std::size_t i = 0; i < sums.size(); ++i) {
     ToolSums& sum = sums[tools[i]];
     sum.mass += scene.bodies[i].mass;
-    if (scene.bodies[i].coupling) sum.k_c += scene.bodies[i].coupling->stiffness;
+    if (scene.bodies[i].coupling) sum.k_c += scene.bodies[i].coupling->k;
   }
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = sums[tools[i]];
   return sums;

@@ -48,14 +48,14 @@ Matrix at_joints(const HandleJacobian& J, double rotational, double translationa
 
 /// Returns the largest gains that the handle can display. A device that grips bodies displays the largest
 /// gains of any body.
-FeedbackConfig shown_at(const SceneConfig& scene, const HandleParams& handle) {
-  FeedbackConfig most;
+SpringParams shown_at(const SceneConfig& scene, const HandleParams& handle) {
+  SpringParams most;
   for (const BodyConfig& body : scene.bodies) {
     if (!body.feedback || (!grips_bodies(scene) && body.name != handle.body)) continue;
-    most.stiffness = std::max(most.stiffness, body.feedback->stiffness);
-    most.damping = std::max(most.damping, body.feedback->damping);
-    most.rotational_stiffness = std::max(most.rotational_stiffness, body.feedback->rotational_stiffness);
-    most.rotational_damping = std::max(most.rotational_damping, body.feedback->rotational_damping);
+    most.k = std::max(most.k, body.feedback->k);
+    most.g = std::max(most.g, body.feedback->g);
+    most.k_r = std::max(most.k_r, body.feedback->k_r);
+    most.g_r = std::max(most.g_r, body.feedback->g_r);
   }
   return most;
 }
@@ -143,9 +143,9 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
   const auto num_joints = static_cast<Eigen::Index>(at.num_joints());
   Matrix K = Matrix::Zero(num_joints, num_joints), B = K;
   for (std::size_t i = 0; i < at.num_handles(); ++i) {
-    const FeedbackConfig gains = shown_at(scene, rig.tree.handles[i]);
-    K += at_joints(at.jacobian(i), gains.rotational_stiffness, gains.stiffness);
-    B += at_joints(at.jacobian(i), gains.rotational_damping, gains.damping);
+    const SpringParams gains = shown_at(scene, rig.tree.handles[i]);
+    K += at_joints(at.jacobian(i), gains.k_r, gains.k);
+    B += at_joints(at.jacobian(i), gains.g_r, gains.g);
   }
   if (K.isZero(0) && B.isZero(0)) return result;
 

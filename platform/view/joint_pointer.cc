@@ -14,10 +14,11 @@ constexpr double half_turn = std::numbers::pi, half_metre = 0.5;
 constexpr double lag_s = 0.05;
 
 /// Returns the stop of the scene's coordinate of this name, if it has both ends; else null.
-const StopConfig* stop_of(const SceneConfig& scene, const std::string& coordinate) {
+const StopParams* stop_of(const SceneConfig& scene, const std::string& coordinate) {
   for (const JointConfig& joint : scene.joints)
     for (const StopConfig& stop : joint.stops)
-      if (stop.coordinate == coordinate && stop.lower && stop.upper) return &stop;
+      if (stop.coordinate == coordinate && std::isfinite(stop.params.upper - stop.params.lower))
+        return &stop.params;
   return nullptr;
 }
 
@@ -53,9 +54,9 @@ std::vector<CoordinateRange> page_ranges(const SceneConfig& scene) {
     const double q = start[static_cast<Eigen::Index>(ranges.size())];
     const double reach = joint.kind == DeviceJointKind::hinge ? half_turn : half_metre;
     CoordinateRange range{q - reach, q + reach};
-    if (const StopConfig* const stop = stop_of(scene, joint.name)) {
-      const double beyond = 0.5 * (*stop->upper - *stop->lower);
-      range = {std::min(q, *stop->lower - beyond), std::max(q, *stop->upper + beyond)};
+    if (const StopParams* const stop = stop_of(scene, joint.name)) {
+      const double beyond = 0.5 * (stop->upper - stop->lower);
+      range = {std::min(q, stop->lower - beyond), std::max(q, stop->upper + beyond)};
     }
     ranges.push_back(range);
   }

@@ -105,9 +105,10 @@ std::string list(const FaultPromise& promise, bool always) {
 
 std::span<const FaultPromise> fault_promises() noexcept { return promises; }
 
-std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanoseconds duration_ns) noexcept {
+std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, double cycle_s,
+                                 Nanoseconds duration_ns) noexcept {
   const auto ns = [](double s) { return std::llround(1e9 * s); };
-  const Nanoseconds more_ns = ns(cycles_more(delay) * rig.cycle_s);
+  const Nanoseconds more_ns = ns(cycles_more(delay) * cycle_s);
   switch (delay) {
     case lost: return ns(rig.stale_after_s + std::max(rig.lost_after_s, rig.stale_after_s)) + more_ns;
     case heartbeat: return ns(rig.heartbeat_timeout_s) + more_ns;

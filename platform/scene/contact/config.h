@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact/contact.h"
 #include "core/shape/list.h"
 
 namespace godobject {
@@ -58,13 +59,8 @@ struct ObstacleConfig {
 
 /// Law of a contact between two materials (22), (23).
 struct ContactConfig {
-  std::vector<std::string> materials;          // two, in any order; may be equal
-  double stiffness = 0;                        // k, N/m, > 0, of each sphere
-  double damping = 0;                          // c, N s/m, >= 0
-  double friction = 0;                         // mu, >= 0
-  std::optional<double> tangential_stiffness;  // k_t, N/m; absent: stiffness
-  std::optional<double> tangential_damping;    // c_t, N s/m; absent: damping
-  double push_out_speed = 0.05;                // m/s, > 0
+  std::vector<std::string> materials;  // two, in any order; may be equal
+  ContactLaw law{};                    // of each sphere
 };
 
 }  // namespace godobject

@@ -15,15 +15,6 @@ ShapeParams shape_params(const ShapeConfig& shape) {
           .half_length = shape.half_length.value_or(0)};
 }
 
-ContactLaw law_of(const ContactConfig& c) {
-  return {.k = c.stiffness,
-          .c = c.damping,
-          .mu = c.friction,
-          .k_t = c.tangential_stiffness.value_or(c.stiffness),
-          .c_t = c.tangential_damping.value_or(c.damping),
-          .push_out = c.push_out_speed};
-}
-
 /// Builds the contacts part by part.
 class ContactBuilder {
  public:
@@ -44,7 +35,7 @@ class ContactBuilder {
   void add(const ContactConfig& contact) {
     const MaterialId a = id_of(contact.materials[0]), b = id_of(contact.materials[1]);
     if (std::max(a, b) >= to_.materials.size()) return;  // unused material
-    to_.laws[a][b] = to_.laws[b][a] = law_of(contact);
+    to_.laws[a][b] = to_.laws[b][a] = contact.law;
   }
 
   void add(const ObstacleConfig& obstacle) {

@@ -116,37 +116,39 @@ void visit_obstacle(V& v, ObstacleConfig& o) {
   visit_material(v, o.shape.material);
 }
 
+/// Visits a law; without its stiffness it is new, and a tangential gain that is not given is the normal one.
 /// mass: mass at which a damping ratio of one is critical, kg.
 template <class V>
-void visit_law(V& v, double mass, ContactConfig& c) {
+void visit_law(V& v, double mass, ContactLaw& law) {
+  const bool is_new = law.k == 0;
   v.value(Key{"stiffness", "N/m", "normal stiffness k of each sphere; spheres that share a load add up",
               positive, true},
-          c.stiffness);
-  const double unit = std::sqrt(mass * c.stiffness);
+          law.k);
+  const double unit = std::sqrt(mass * law.k);
   v.either(Key{"damping", "N s/m", "normal damping c", not_negative},
            Key{"damping_ratio",
                "",
                "c / sqrt(m k), default 1.4, m of the lightest body of the two materials",
                {0, 1e6}},
-           unit, default_contact_damping_ratio * unit, c.damping);
-  v.value(Key{"friction", "", "coefficient of friction mu", {0, 100}}, c.friction);
-  if (!c.tangential_stiffness) c.tangential_stiffness = c.stiffness;
+           unit, default_contact_damping_ratio * unit, law.c);
+  v.value(Key{"friction", "", "coefficient of friction mu", {0, 100}}, law.mu);
+  if (is_new) law.k_t = law.k;
   v.value(Key{.name = "tangential_stiffness",
               .unit = "N/m",
               .meaning = "k_t while sticking",
               .range = not_negative,
               .otherwise = "`stiffness`"},
-          c.tangential_stiffness);
-  if (!c.tangential_damping) c.tangential_damping = c.damping;
+          law.k_t);
+  if (is_new) law.c_t = law.c;
   v.value(Key{.name = "tangential_damping",
               .unit = "N s/m",
               .meaning = "c_t while sticking",
               .range = not_negative,
               .otherwise = "`damping`"},
-          c.tangential_damping);
-  v.check(c.friction == 0 || c.tangential_stiffness.value_or(0) > 0 || c.tangential_damping.value_or(0) > 0,
-          "tangential_stiffness", "and 'tangential_damping' must not both be zero if friction is above 0");
-  v.value(Key{"push_out_speed", "m/s", "of bodies that start inside each other", positive}, c.push_out_speed);
+          law.c_t);
+  v.check(law.mu == 0 || law.k_t > 0 || law.c_t > 0, "tangential_stiffness",
+          "and 'tangential_damping' must not both be zero if friction is above 0");
+  v.value(Key{"push_out_speed", "m/s", "of bodies that start inside each other", positive}, law.push_out);
 }
 
 /// Visits obstacles and contacts, after bodies and joints.
@@ -173,7 +175,7 @@ void visit_contacts(V& v, SceneConfig& s) {
       t.advise(is_used(name), "materials", "has '" + name + "', which no sphere, shape, obstacle or net has");
     t.check(pairs.insert({c.materials.begin(), c.materials.end()}).second, "materials",
             "are those of an earlier [[contact]]");
-    visit_law(t, lightest_of(s, c.materials), c);
+    visit_law(t, lightest_of(s, c.materials), c.law);
   });
   v.check(used.size() <= max_materials, "",
           "the scene has " + std::to_string(used.size()) + " materials; at most " +

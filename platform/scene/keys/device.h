@@ -127,9 +127,9 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
           d.torque_rated_Nm);
   v.value(Key{"torque_max_Nm", "N m", "bound of the command, at the motor's shaft", positive},
           d.torque_max_Nm);
-  v.check(d.protocol != DriveProtocol::cia402 || d.torque_max_Nm <= 32.767 * d.torque_rated_Nm,
-          "torque_max_Nm",
-          "is more than 32.767 times torque_rated_Nm, the most that 16 bits of per mille carry");
+  const double max_Nm = max_encodable_torque_Nm(d);
+  v.check(d.torque_max_Nm <= max_Nm, "torque_max_Nm",
+          format("must be at most %g N m: commands in per mille of torque_rated_Nm encode no more", max_Nm));
   v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit, at the motor's shaft", positive},
           d.torque_rate_Nm_per_s);
   v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad", "joint coordinate per rad of the motor", positive},
@@ -504,7 +504,6 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
                                            .encoders = {},
                                            .drives = {}});
   rig.buses = buses;
-  rig.cycle_s = scene.step;
   const bool is_new = !d.rig;
   if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
   const PartsOfDevice given = d.rig               ? PartsOfDevice::rig

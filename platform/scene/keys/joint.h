@@ -28,6 +28,15 @@ inline std::string rounded(double x) {
   return text.data();
 }
 
+/// Visits an end of a stop. end: infinite without a stop at this end.
+template <class V>
+void visit_stop_end(V& v, const Key& key, double& end) {
+  std::optional<double> given;
+  if (std::isfinite(end)) given = end;
+  v.value(key, given);
+  if (given) end = *given;
+}
+
 template <class V>
 void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
   const bool only_one = j.coordinates.size() == 1, none = num_coordinates(j.kind) == 0;
@@ -43,13 +52,15 @@ void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
       !none, "",
       "joint '" + j.name +
           "' has no coordinate for a stop: remove the [[joint.stop]] table, or use another kind of joint");
-  v.value(Key{"lower", "rad or m", "lower end; turns are counted, beyond +-pi too"}, s.lower);
-  v.value(Key{"upper", "rad or m", "upper end"}, s.upper);
-  v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
-  v.check(!(s.lower && s.upper) || *s.lower < *s.upper, "upper", "must be above lower");
-  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.stiffness);
-  v.value(Key{"damping", "N m s/rad or N s/m", "beyond `width`, inwards only", not_negative}, s.damping);
-  v.value(Key{"width", "rad or m", "travel over which both rise from zero", positive, true}, s.width);
+  visit_stop_end(v, Key{"lower", "rad or m", "lower end; turns are counted, beyond +-pi too"},
+                 s.params.lower);
+  visit_stop_end(v, Key{"upper", "rad or m", "upper end"}, s.params.upper);
+  v.check(std::isfinite(s.params.lower) || std::isfinite(s.params.upper), "",
+          "the stop has no end: give lower, upper or both");
+  v.check(s.params.lower < s.params.upper, "upper", "must be above lower");
+  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.params.k);
+  v.value(Key{"damping", "N m s/rad or N s/m", "beyond `width`, inwards only", not_negative}, s.params.g);
+  v.value(Key{"width", "rad or m", "travel over which both rise from zero", positive, true}, s.params.width);
 }
 
 template <class V>

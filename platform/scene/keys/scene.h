@@ -43,31 +43,30 @@ void advise_ratio(V& v, std::string_view key, double damping, double critical_da
 /// Visits the four gains. A gain that is not given keeps its value, or has the damping ratio `ratio` if this
 /// is set.
 template <class V>
-void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
+void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, SpringParams& c) {
   const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
   const bool required = ratio.has_value();
-  v.value(Key{"stiffness", "N/m", "translational stiffness k", {0, 1e13}, required}, c.stiffness);
-  const double g_unit = critical(body.mass, c.stiffness);
+  v.value(Key{"stiffness", "N/m", "translational stiffness k", {0, 1e13}, required}, c.k);
+  const double g_unit = critical(body.mass, c.k);
   v.either(Key{"damping", "N s/m", "translational damping g", not_negative},
            Key{"damping_ratio", "", "g / sqrt(m k), default 1.4, advised 1.4 to 2", {0, 1e3}}, g_unit,
-           fallback(g_unit, c.damping), c.damping);
-  v.value(Key{"rotational_stiffness", "N m/rad", "rotational stiffness k_r", {0, 1e13}, required},
-          c.rotational_stiffness);
-  const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
+           fallback(g_unit, c.g), c.g);
+  v.value(Key{"rotational_stiffness", "N m/rad", "rotational stiffness k_r", {0, 1e13}, required}, c.k_r);
+  const double g_r_unit = critical(body.inertia, c.k_r);
   v.either(Key{"rotational_damping", "N m s/rad", "rotational damping g_r", not_negative},
            Key{"rotational_damping_ratio", "", "g_r / sqrt(I_max k_r), the same", {0, 1e3}}, g_r_unit,
-           fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+           fallback(g_r_unit, c.g_r), c.g_r);
 }
 
 template <class V>
-void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
+void visit_coupling(V& v, const Massiveness& body, SpringParams& c) {
   visit_gains(v, body, default_damping_ratio, c);
-  advise_ratio(v, "damping", c.damping, critical(body.mass, c.stiffness));
-  advise_ratio(v, "rotational_damping", c.rotational_damping, critical(body.inertia, c.rotational_stiffness));
+  advise_ratio(v, "damping", c.g, critical(body.mass, c.k));
+  advise_ratio(v, "rotational_damping", c.g_r, critical(body.inertia, c.k_r));
 }
 
 template <class V>
-void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
+void visit_feedback(V& v, const Massiveness& body, const SpringParams& coupling, SpringParams& f) {
   double scale = 0;
   v.shorthand(Key{"scale",
                   "",
@@ -75,9 +74,7 @@ void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& couplin
                   "requires as much in the device",
                   {0, 1e3}},
               scale);
-  if (scale > 0)
-    f = {.stiffness = scale * coupling.stiffness,
-         .rotational_stiffness = scale * coupling.rotational_stiffness};
+  if (scale > 0) f = {.k = scale * coupling.k, .k_r = scale * coupling.k_r};
   if constexpr (requires { v.keys_of("", "", ""); })
     return v.keys_of("[body.coupling]", "stiffness", "rotational_damping_ratio");
   visit_gains(v, body, std::nullopt, f);
@@ -117,14 +114,14 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   const Massiveness body{b.mass, I_max};
   optional_table(v, TableKey{"coupling", "Spring and damper to the target; without it the body is free."},
-                 b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
+                 b.coupling, [&](auto& t, SpringParams& c) { visit_coupling(t, body, c); });
   optional_table(
       v,
       TableKey{"feedback",
                "Spring and damper of the displayed wrench, 0 by default; without it there is none."},
-      b.feedback, [&](auto& t, FeedbackConfig& f) {
+      b.feedback, [&](auto& t, SpringParams& f) {
         t.check(b.coupling.has_value(), "", "feedback requires a coupling: add [body.coupling]");
-        visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
+        visit_feedback(t, body, b.coupling.value_or(SpringParams{}), f);
       });
   visit_spheres_and_shapes(v, b);
   const auto doubt = [&](std::string_view key, const std::string& text) {

@@ -110,7 +110,7 @@ SceneConfig random_tool(std::mt19937& random, const std::vector<JointKind>& kind
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     BodyConfig link;
     link.name = "body" + std::to_string(i);
-    link.coupling = CouplingConfig{};
+    link.coupling = SpringParams{};
     scene.bodies.push_back(link);
     JointConfig j;
     j.name = "joint" + std::to_string(i);
