@@ -8,9 +8,9 @@
 
 #include "core/setup.h"
 #include "hal/rig/watchdog.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/net/report.h"
-#include "platform/scene/top_speed.h"
+#include "platform/scene/net/params.h"
 
 namespace godobject {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "platform/cli/command_line.h"
 #include "platform/rt/setup.h"
-#include "platform/scene/text/nearest_name.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

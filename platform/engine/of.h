@@ -5,7 +5,7 @@
 #include "platform/engine/any_device.h"
 #include "platform/engine/row.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
 

@@ -11,7 +11,7 @@
 #include "hal/rig/rig.h"
 #include "hal/rig/watchdog.h"
 #include "platform/rt/clock.h"
-#include "platform/scene/profile.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 namespace {

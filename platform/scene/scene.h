@@ -15,8 +15,7 @@
 #include "hal/rig/params.h"
 #include "hal/rig/simulation.h"
 #include "hal/tracker/params.h"
-#include "platform/scene/contact/config.h"
-#include "platform/scene/net/config.h"
+#include "platform/scene/geometry.h"
 
 namespace godobject {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/canopen/node_profile.h"
-#include "platform/scene/fault_checks.h"
+#include "platform/scene/toml.h"
 #include "platform/session/session.h"
 
 namespace godobject {

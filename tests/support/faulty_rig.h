@@ -8,7 +8,6 @@
 #include <string>
 
 #include "hal/rig/rig.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "sim/rig/link.h"

@@ -13,8 +13,6 @@
 #include "hal/can/candump.h"
 #include "platform/rt/background_file.h"
 #include "platform/session/session.h"
-#include "platform/trace/contacts.h"
-#include "platform/trace/nets.h"
 #include "platform/trace/trace.h"
 
 namespace godobject {

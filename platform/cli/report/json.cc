@@ -4,7 +4,7 @@
 #include "platform/cli/report/report.h"
 #include "platform/rt/setup.h"
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
 namespace {

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "platform/scene/plausible.h"
+#include "platform/scene/checks.h"
 
 namespace godobject {
 namespace {

@@ -19,7 +19,7 @@
 #include "platform/rt/ring.h"
 #include "platform/rt/setup.h"
 #include "platform/session/session.h"
-#include "platform/view/tap.h"
+#include "platform/view/frame.h"
 
 namespace godobject {
 

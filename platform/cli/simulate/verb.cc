@@ -25,8 +25,6 @@
 #include "platform/rt/clock.h"
 #include "platform/rt/setup.h"
 #include "platform/rt/signals.h"
-#include "platform/scene/fault_file.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"

@@ -12,10 +12,9 @@
 #include "platform/cli/program.h"
 #include "platform/cli/run/options.h"
 #include "platform/rig/buses.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/contact/spheres_alone.h"
 #include "platform/scene/toml.h"
-#include "platform/scene/top_speed.h"
 
 namespace godobject {
 namespace {

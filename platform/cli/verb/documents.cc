@@ -7,7 +7,7 @@
 #include "platform/cli/command_line.h"
 #include "platform/cli/fault_texts.h"
 #include "platform/cli/program.h"
-#include "platform/scene/text/nearest_name.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

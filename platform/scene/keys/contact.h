@@ -1,16 +1,16 @@
 // All keys of contacts: spheres and shapes of bodies, obstacles, pairs of materials. Visitors:
-// platform/scene/text/visit.h.
+// platform/scene/text/key.h.
 #pragma once
 
 #include <cmath>
 #include <set>
 
 #include "core/contact/contact.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/mesh/obstacle_file.h"
-#include "platform/scene/plausible.h"
+#include "platform/scene/mesh/file.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

@@ -1,4 +1,4 @@
-// All keys below [device] of a scene file. Visitors: platform/scene/text/visit.h.
+// All keys below [device] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <numbers>
@@ -6,12 +6,12 @@
 
 #include "hal/drive/link.h"
 #include "hal/joint/kinematic_tree.h"
-#include "platform/scene/joint/device_from_joints.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/keys/spacemouse.h"
 #include "platform/scene/keys/tracker.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

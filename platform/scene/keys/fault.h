@@ -1,11 +1,11 @@
-// Keys of [[fault]] tables, in scenes and in files of their own. Visitors: platform/scene/text/visit.h.
+// Keys of [[fault]] tables, in scenes and in files of their own. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "platform/scene/fault_checks.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 

@@ -1,10 +1,10 @@
-// Keys by which a device grips and releases bodies. Visitors: platform/scene/text/visit.h.
+// Keys by which a device grips and releases bodies. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <algorithm>
 
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

@@ -1,4 +1,4 @@
-// All keys of a [[joint]]. Visitors: platform/scene/text/visit.h.
+// All keys of a [[joint]]. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <array>
@@ -7,11 +7,9 @@
 #include <set>
 
 #include "core/math/so3.h"
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
-#include "platform/scene/joint/tree.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

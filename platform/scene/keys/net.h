@@ -1,15 +1,13 @@
-// All keys of a [[net]]. Visitors: platform/scene/text/visit.h.
+// All keys of a [[net]]. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <set>
 
+#include "platform/scene/checks.h"
 #include "platform/scene/keys/contact.h"
 #include "platform/scene/keys/joint.h"
-#include "platform/scene/net/edges.h"
-#include "platform/scene/net/make.h"
 #include "platform/scene/net/params.h"
-#include "platform/scene/net/physics.h"
-#include "platform/scene/plausible.h"
+#include "platform/scene/net/surface.h"
 
 namespace godobject {
 

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "hal/canopen/pdo_map.h"
+#include "platform/scene/text/key.h"
 #include "platform/scene/text/toml_reader.h"
-#include "platform/scene/text/visit.h"
 
 namespace godobject {
 

@@ -1,5 +1,5 @@
 // All keys of a scene file with name, unit, range, meaning and member. Keys below [device], [[joint]] and of
-// contacts have files of their own. Visitors: platform/scene/text/visit.h.
+// contacts have files of their own. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <cmath>
@@ -7,15 +7,15 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "platform/scene/checks.h"
 #include "platform/scene/keys/contact.h"
 #include "platform/scene/keys/device.h"
 #include "platform/scene/keys/fault.h"
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
-#include "platform/scene/plausible.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

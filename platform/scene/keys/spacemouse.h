@@ -1,9 +1,9 @@
-// All keys of [device.spacemouse] of a scene file. Visitors: platform/scene/text/visit.h.
+// All keys of [device.spacemouse] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include "hal/tracker/spacenav.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

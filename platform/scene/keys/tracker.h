@@ -1,11 +1,11 @@
-// All keys below [[device.tracker]] of a scene file. Visitors: platform/scene/text/visit.h.
+// All keys below [[device.tracker]] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <set>
 
 #include "hal/tracker/tracker.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 

@@ -6,8 +6,7 @@
 #include <random>
 #include <sstream>
 
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_articulated_scene {

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/net/edges.h"
 #include "platform/scene/net/params.h"
+#include "platform/scene/net/surface.h"
 #include "platform/scene/toml.h"
 
 namespace godobject::test_net_keys {

@@ -12,7 +12,6 @@
 
 #include "hal/rig/params.h"
 #include "platform/motion/motion.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/text/diagnostics.h"
 #include "platform/scene/toml.h"

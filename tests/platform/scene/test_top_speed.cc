@@ -1,5 +1,5 @@
 // The top speed printed by check: below it a wall holds, and far above it a sphere passes through.
-#include "platform/scene/top_speed.h"
+#include "platform/scene/checks.h"
 
 #include "core/contact/candidates.h"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "platform/scene/top_speed.h"
+#include "platform/scene/checks.h"
 #include "tests/support/box_overlap.h"
 
 namespace godobject::test_attack_scenes {

@@ -10,7 +10,6 @@
 #include "hal/canopen/pdo_map.h"
 #include "hal/canopen/sdo/sequence.h"
 #include "hal/rig/profile_validate.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/text/diagnostics.h"
 #include "platform/scene/toml.h"
 #include "tests/support/allocation_guard.h"

@@ -1,6 +1,57 @@
-#include "platform/scene/text/key_reference.h"
+#include "platform/scene/text/key_writers.h"
+
+#include <array>
+#include <cstdio>
 
 namespace godobject {
+
+// ---- TOML -----------------------------------------------------------------------------------------
+
+std::string TomlWriter::array(const std::vector<double>& values) {
+  std::string text;
+  for (const double x : values) text += (text.empty() ? "" : ", ") + shortest(x);
+  return "[" + text + "]";
+}
+
+std::string TomlWriter::quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += {'\\', c};
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      std::array<char, 8> escaped{};
+      std::snprintf(escaped.data(), escaped.size(), "\\u%04X", static_cast<unsigned>(c));
+      result += escaped.data();
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+void TomlWriter::value(const Key& key, const std::vector<std::string>& x) {
+  std::string text;
+  for (const std::string& item : x) text += (text.empty() ? "" : ", ") + quoted(item);
+  line(key, "[" + text + "]");
+}
+
+void TomlWriter::inertia(const Key& key, const Mat3& I) {
+  if (I.isDiagonal(0)) {
+    value(key, Vec3(I.diagonal()));
+    return;
+  }
+  std::string rows;
+  for (int i = 0; i < 3; ++i) rows += (i ? ", " : "") + array({I(i, 0), I(i, 1), I(i, 2)});
+  line(key, "[" + rows + "]");
+}
+
+TomlWriter TomlWriter::subtable(const TableKey& key, const char* open, const char* close) {
+  const std::string path = path_.empty() ? std::string(key.name) : path_ + "." + std::string(key.name);
+  out_ += (out_.empty() ? "" : "\n") + std::string(open) + path + close + "\n";
+  return TomlWriter(out_, path);
+}
+
+// ---- reference ------------------------------------------------------------------------------------
 
 void KeyReference::row(const Key& key, const std::string& type, const std::string& default_text) {
   const std::string unit(key.unit), range = to_string(key.range);
