@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/contact/anchors.h"
 #include "core/contact/contact.h"
 #include "core/math/lanes.h"
 #include "core/tuning.h"
@@ -13,12 +14,14 @@ namespace godobject {
 /// Memory of one contact. Spheres and surfaces of a scene are numbered.
 struct ContactMemory {
   std::uint64_t key = 0;
-  Real e = 0;        // rest penetration: the offset of the contact spring, m
-  Real pressed = 0;  // compression of the spring at the end of the last stage, m
-  Column xi_W;       // drag of the contact point since it stuck, m
-  Column xi_dot_W;   // rate of the drag, m/s
-  Column F_W;        // force in the last stage, N
-  Column n_W;        // normal
+  Real e = 0;             // rest penetration: the offset of the contact spring, m
+  Real pressed = 0;       // compression of the spring at the end of the last stage, m
+  Real stretched = 0;     // length of the sticking spring there, m
+  Real F_n = 0;           // normal force in the last stage, N; 0: inactive
+  Column c_a, c_b;        // anchors (51), of the last stage's predicted end
+  Column n_a, n_b, n_W;   // normal
+  Column xi_a, xi_b;      // stretch
+  Column slip_dot_W;      // rate at which the contact point slips, m/s
 };
 
 /// Memories in the order of the keys.
@@ -60,7 +63,7 @@ template <std::size_t max_contacts>
 bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
                                const ContactMemories<max_contacts>& b) noexcept {
   const auto next_active = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
-    while (i < m.size && !(dot(m.list[i].F_W, m.list[i].F_W) > 0)) ++i;
+    while (i < m.size && m.list[i].F_n == 0) ++i;
     return i;
   };
   std::size_t i = next_active(a, 0), j = next_active(b, 0);
@@ -69,22 +72,64 @@ bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
   return i == a.size && j == b.size;
 }
 
-/// Initialisation of a stage's contacts: from the memory of the previous step or stage, extrapolated by t_0
-/// and t_1.
-struct ContactStage {
-  Real t_0 = 0, t_1 = 0;     // s: xi is extrapolated by t_0 times the rate of the step, plus t_1 times that
-                             // of the previous stage
-  Real relaxation_time = 0;  // s, duration of the relaxation of e
-  Real found = 0;            // sum of ContactReport::found over the previous stages of the step, J
-  bool continues_step =
-      false;  // true after another stage of the step; otherwise the stage memory is of another step
-  bool follows = false;   // true if it starts at the end of the previous stage
-  bool is_euler = false;  // as `follows`, but the rest penetration (35) is updated at step boundaries only
-  Real extrapolated_time = 0;  // s: extrapolation from the end of the previous stage to the start of this one
+/// Contact memories in a stage: at the end of the previous stage, and at its own end. num: lists, one more than
+/// may be in use.
+template <std::size_t max_contacts, std::size_t num>
+class StageMemories {
+ public:
+  using List = ContactMemories<max_contacts>;
+  const List& before() const noexcept { return *before_; }
+  const List& after() const noexcept { return lists_[after_]; }
+  List& after() noexcept { return lists_[after_]; }
 
-  /// True if the stage starts at the end of another one, of this step or the previous.
-  bool starts_at_stage_end() const noexcept { return follows || (t_0 == 0 && !continues_step); }
-  bool is_joined() const noexcept { return starts_at_stage_end() || is_euler; }
+  /// Begins the first stage of a step, after the memories of the previous step.
+  void start(const List& of_step) noexcept {
+    before_ = of_stage_ = &of_step;
+    choose();
+  }
+  /// Begins a stage or a substep at the end of the previous one.
+  void next_stage() noexcept {
+    before_ = of_stage_ = &lists_[after_];
+    choose();
+  }
+  void next_substep() noexcept {
+    before_ = &lists_[after_];
+    choose();
+  }
+  /// Begins the stage again, with the memories of before its first substep.
+  void restart() noexcept {
+    before_ = of_stage_;
+    choose();
+  }
+
+ private:
+  void choose() noexcept {
+    after_ = 0;
+    while (before_ == &lists_[after_] || of_stage_ == &lists_[after_]) ++after_;
+  }
+
+  std::array<List, num> lists_;
+  const List *before_ = nullptr, *of_stage_ = nullptr;
+  std::size_t after_ = 0;
+};
+
+/// True if the same contacts are active at the end of a stage and of that before it.
+template <std::size_t max_contacts, std::size_t num>
+bool have_same_active_contacts(const StageMemories<max_contacts, num>& stage) noexcept {
+  return have_same_active_contacts(stage.before(), stage.after());
+}
+
+/// Initialisation of a stage's contacts from the memories at the end of the previous stage.
+struct ContactStage {
+  Real relaxation_time = 0;  // s, duration of the relaxation of e
+  Real extrapolated = 0;     // s: extrapolation from the end of the previous stage to the start of this one
+  // share of the rate of slip before the stage in the rate after it: a half for the mean of both, by which
+  // TR-BDF2 extrapolates; else 0
+  Real slip_before = 0;
+  Real found = 0;               // sum of ContactReport::found over the previous stages of the step, J
+  bool continues_step = false;  // true after another stage of the step
+
+  bool is_joined() const noexcept { return extrapolated == 0; }
 };
 
 /// Returns the largest penetration stored without measured approach (35), m. Its spring holds the energy of
@@ -97,8 +142,9 @@ inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
 /// Memory of one or four contacts. A new contact has no normal.
 template <class T>
 struct ContactPastOf {
-  Vector3<T> xi_W, xi_dot_W, F_W, n_W;
-  T e, pressed;
+  AnchorsOf<T> anchors;
+  Vector3<T> n_W, slip_dot_W;
+  T e, pressed, stretched, F_n;
 };
 inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& of) noexcept {
   const auto vectors = [&](auto member) noexcept {
@@ -107,12 +153,18 @@ inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& o
   const auto numbers = [&](auto member) noexcept {
     return Pack(of[0]->*member, of[1]->*member, of[2]->*member, of[3]->*member);
   };
-  return {.xi_W = vectors(&ContactMemory::xi_W),
-          .xi_dot_W = vectors(&ContactMemory::xi_dot_W),
-          .F_W = vectors(&ContactMemory::F_W),
+  return {.anchors = {.c_a = vectors(&ContactMemory::c_a),
+                      .c_b = vectors(&ContactMemory::c_b),
+                      .n_a = vectors(&ContactMemory::n_a),
+                      .n_b = vectors(&ContactMemory::n_b),
+                      .xi_a = vectors(&ContactMemory::xi_a),
+                      .xi_b = vectors(&ContactMemory::xi_b)},
           .n_W = vectors(&ContactMemory::n_W),
+          .slip_dot_W = vectors(&ContactMemory::slip_dot_W),
           .e = numbers(&ContactMemory::e),
-          .pressed = numbers(&ContactMemory::pressed)};
+          .pressed = numbers(&ContactMemory::pressed),
+          .stretched = numbers(&ContactMemory::stretched),
+          .F_n = numbers(&ContactMemory::F_n)};
 }
 
 /// Law of contacts in a stage of length h (24). A law of zeros carries no force.
@@ -131,22 +183,26 @@ struct StageLawOf {
   T max_stored_penetration = 0;  // m (35)
 };
 
-/// Contacts at the start of a stage.
+/// Contacts as found for a stage.
 template <class T>
 struct ContactStartOf {
+  ContactPlacesOf<T> at;  // places of the bodies at the predicted end
   Vector3<T> n_W;
-  T d_0;       // depth, m
-  T approach;  // approach by extrapolation, m: 0 if the stage starts at the end of another
+  Vector3<T> v_W;  // predicted velocity of the contact point of a against b, m/s
+  T rho;           // m, radius that rolls (51)
+  T d_0;           // depth at the start, m
+  T approach;      // approach by extrapolation, m: 0 if the stage starts at the end of another
 };
 
 /// Initial data of contacts in a stage.
 template <class T>
 struct InitialContactOf {
-  Vector3<T> xi_W;  // drag along the surface, m
-  T e;              // rest penetration: the offset of the contact spring, m
-  T F_n;            // normal force of the previous stage, N; < 0: new contact
-  T found;          // J, (38): energy of its spring at the start of the stage in excess of that at the end of
-                    // the previous one
+  Vector3<T> xi_W;        // stretch, m: at the end of the stage xi_W + h v_t, if the contact point sticks
+  Vector3<T> slip_dot_W;  // rate of slip before the stage, m/s
+  T e;                    // rest penetration: the offset of the contact spring, m
+  T F_n;                  // normal force of the previous stage, N; < 0: new contact
+  T found;  // J, (38): energy of its spring at the start of the stage in excess of that at the end of
+            // the previous one
 };
 
 /// Returns the relaxed rest penetration (35): decreases by at most max_decrease, never below d - max_lag nor
@@ -174,79 +230,80 @@ inline constexpr bool checks_penetration_jumps = requires {
 /// their motion explains. v_n: opening speed, m/s. If the normal has turned round a corner, the contact is a
 /// new one.
 template <class T>
-auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& of_step,
-                           const ContactPastOf<T>& of_stage, const ContactStartOf<T>& start, const T& v_n,
-                           const T& most) noexcept {
-  const auto was = [](const ContactPastOf<T>& past) noexcept { return T(0) < past.n_W.dot(past.n_W); };
-  const auto by_stage = was(of_stage);
-  const T turned = select(by_stage, of_stage.n_W.dot(start.n_W), of_step.n_W.dot(start.n_W)),
-          end = select(by_stage, of_stage.e + of_stage.pressed, of_step.e + of_step.pressed);
-  return (by_stage | was(of_step)) &
-         ((turned < T(same_contact)) | (most < start.d_0 + T(stage.extrapolated_time) * v_n - end));
+auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& past,
+                           const ContactStartOf<T>& start, const T& v_n, const T& most) noexcept {
+  return (T(0) < past.n_W.dot(past.n_W)) &
+         ((past.n_W.dot(start.n_W) < T(same_contact)) |
+          (most < start.d_0 + T(stage.extrapolated) * v_n - (past.e + past.pressed)));
 }
 
-/// Returns the initial data of contacts, from the memories of the previous step and stage. If the normal has
-/// turned round a corner, the contact is a new one.
+/// Returns the initial data of contacts in a stage of length h, from the memory of the previous one. If the
+/// normal has turned round a corner, the contact is a new one.
 template <class T>
-InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage,
-                             const ContactPastOf<T>& of_step, const ContactPastOf<T>& of_stage,
-                             const ContactStartOf<T>& start) noexcept {
-  const auto is_same = [&](const ContactPastOf<T>& before) noexcept {
-    return T(same_contact) <= before.n_W.dot(start.n_W);
-  };
+InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage, Real h,
+                             const ContactPastOf<T>& past, const ContactStartOf<T>& start) noexcept {
+  const auto known = T(same_contact) <= past.n_W.dot(start.n_W);
   const Vector3<T> none = Vector3<T>::Constant(T(0));
-  const auto by_step = is_same(of_step);
-  auto known = by_step;
-  Vector3<T> xi = select(by_step, Vector3<T>(of_step.xi_W + of_step.xi_dot_W * T(stage.t_0)), none);
-  T e = of_step.e, pressed = of_step.pressed, before = pressed, F_n = of_step.n_W.dot(of_step.F_W);
-  if (stage.continues_step) {
-    const auto by_stage = is_same(of_stage);
-    known = known | by_stage;
-    // after substeps (39), the previous stage's rate is only that of its last substep
-    if (stage.follows || stage.is_euler) xi = select(by_stage, of_stage.xi_W, xi);
-    else xi += select(by_stage, Vector3<T>(of_stage.xi_dot_W * T(stage.t_1)), none);
-    e = select(by_stage, of_stage.e, e);
-    pressed = select(by_stage, of_stage.pressed, pressed);
-    before = select(by_stage, pressed, T(0));  // a contact open in the previous stage was not pressed
-    F_n = select(by_stage, of_stage.n_W.dot(of_stage.F_W), F_n);
-  }
-  T offset = relax_offset(e, start.d_0, law.max_decrease, law.max_lag);
-  if (stage.starts_at_stage_end()) offset += max(start.d_0 - e - pressed - law.max_stored_penetration, T(0));
-  const T relaxed = select(T(0) < before, before + e - offset, T(0));
+  // linear from the predicted end of the stage, as the depth is
+  Vector3<T> xi = stretch(past.anchors, start.at, start.n_W, start.rho) -
+                  past.slip_dot_W * T(stage.extrapolated) - start.v_W * T(h);
+  xi -= start.n_W * start.n_W.dot(xi);
+  T offset = relax_offset(past.e, start.d_0, law.max_decrease, law.max_lag);
+  if (stage.is_joined())
+    offset += max(start.d_0 - past.e - past.pressed - law.max_stored_penetration, T(0));
+  const T relaxed = select(T(0) < past.pressed, past.pressed + past.e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
   const T e_new = max(start.d_0 - start.approach - law.max_stored_penetration, T(0));
   const T now_new = min(max(start.d_0 - e_new, T(0)), law.max_stored_penetration);
-  return {.xi_W = xi - start.n_W * start.n_W.dot(xi),
+  return {.xi_W = select(known, xi, none),
+          .slip_dot_W = select(known, past.slip_dot_W, none),
           .e = select(known, offset, e_new),
-          .F_n = select(known, max(F_n, T(0)), T(-1)),
-          .found = select(known, spring_energy_change(law.k, before, now),
+          .F_n = select(known, max(past.F_n, T(0)), T(-1)),
+          .found = select(known, spring_energy_change(law.k, past.pressed, now),
                           spring_energy_change(law.k, T(0), now_new))};
 }
 
 /// Contact data from the start of the stage needed to update the memory at its end.
 template <class T>
 struct InitialMemoryOf {
-  Vector3<T> xi_W;
-  T e, kept, given;
-  T F_n;  // normal force of the previous stage, N; < 0: new contact
+  InitialContactOf<T> contact;
+  Vector3<T> v_W;        // predicted velocity of the contact point, m/s
+  T kept, given, v_per_xi;  // of the law
 };
 
-/// Returns the contact memory at the end. d: depth, m. F_W: contact force, N.
+/// Contacts at the end of a stage of length h.
 template <class T>
-ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, Real h, const Vector3<T>& n_W, const T& d,
-                              const Vector3<T>& F_W) noexcept {
-  const T F_n = n_W.dot(F_W);
-  const auto presses = T(0) < F_n;
+struct ContactEndOf {
+  ContactPlacesOf<T> at;  // places of the bodies at the predicted end
+  Vector3<T> c_W, n_W;    // contact point, m, and normal
+  Vector3<T> s_W;         // slip s of (24), m/s
+  Vector3<T> F_W;         // contact force on a, N
+  T d;                    // depth, m
+};
+
+/// Returns the contact memory at the end. Anchors are those of the predicted end, from which the true end is
+/// seen by (51).
+template <class T>
+ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, const ContactStage& stage, Real h,
+                              const ContactEndOf<T>& end) noexcept {
+  const Vector3<T>&n_W = end.n_W, &xi_0 = initial.contact.xi_W;
+  const T F_n = n_W.dot(end.F_W);
   const Vector3<T> none = Vector3<T>::Constant(T(0));
   // spring and damper of (23) move with the contact point; the difference has slipped
-  const Vector3<T> xi =
-      select(presses, Vector3<T>(initial.xi_W * initial.kept - (F_W - n_W * F_n) * initial.given), none);
-  return {.xi_W = xi,
-          .xi_dot_W = select(presses, Vector3<T>((xi - initial.xi_W) * T(1 / h)), none),
-          .F_W = F_W,
+  const Vector3<T> xi = select(
+      T(0) < F_n, Vector3<T>(xi_0 * initial.kept - (end.F_W - n_W * F_n) * initial.given), none);
+  const Vector3<T> v_t = end.s_W - xi_0 * initial.v_per_xi;
+  const Vector3<T> slip_dot = v_t - (xi - xi_0) * T(1 / h);
+  const Vector3<T> beyond = v_t - initial.v_W;
+  const Vector3<T> xi_predicted = xi - (beyond - n_W * n_W.dot(beyond)) * T(h);
+  return {.anchors = anchored<T>(end.at, end.c_W, n_W, xi_predicted),
           .n_W = n_W,
-          .e = initial.e,
-          .pressed = max(d - initial.e, T(0))};
+          .slip_dot_W = initial.contact.slip_dot_W * T(stage.slip_before) +
+                        slip_dot * T(1 - stage.slip_before),
+          .e = initial.contact.e,
+          .pressed = max(end.d - initial.contact.e, T(0)),
+          .stretched = sqrt(xi.squaredNorm()),
+          .F_n = F_n};
 }
 
 }  // namespace godobject
