@@ -12,6 +12,7 @@
 // xi at any size of the motion.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "core/math/lanes.h"
@@ -70,6 +71,7 @@ Vector3<T> arc_beyond_chord(const Vector3<T>& a, const Vector3<T>& n, const T& a
 template <class T>
 Vector3<T> stretch(const AnchorsOf<T>& of, const ContactPlacesOf<T>& at, const Vector3<T>& n_W,
                    const T& rho) noexcept {
+  using std::sqrt;
   const Vector3<T> a = at.R_a * of.n_a, b = at.R_b * of.n_b;
   const T a_n = a.dot(n_W), b_n = b.dot(n_W);
   const Vector3<T> u = turned<T>(at.R_a * of.xi_a, a, n_W, a_n) + turned<T>(at.R_b * of.xi_b, b, n_W, b_n);

@@ -286,6 +286,7 @@ struct ContactEndOf {
 template <class T>
 ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, const ContactStage& stage, Real h,
                               const ContactEndOf<T>& end) noexcept {
+  using std::sqrt;
   const Vector3<T>&n_W = end.n_W, &xi_0 = initial.contact.xi_W;
   const T F_n = n_W.dot(end.F_W);
   const Vector3<T> none = Vector3<T>::Constant(T(0));
