@@ -97,8 +97,8 @@ struct TrBdf2 {
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
-      still_smooth = still_smooth &&
-                     have_same_active_contacts(x.net.contacts, w.contacts.net.memories.after());
+      still_smooth =
+          still_smooth && have_same_active_contacts(x.net.contacts, w.contacts.net.memories.after());
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (has_stages<S>) w.turns.known = still_smooth;
@@ -185,7 +185,8 @@ struct TrBdf2 {
     prescribe_joints(par, end, w);
     prescribe_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
-    begin_stage<S>({.relaxation_time = c * h, .extrapolated = dh, .slip_before = smooth ? Real(0.5) : 0}, x, w);
+    begin_stage<S>({.relaxation_time = c * h, .extrapolated = dh, .slip_before = smooth ? Real(0.5) : 0}, x,
+                   w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }
@@ -248,12 +249,10 @@ struct TrBdf2 {
     bool acceleration_valid = true;
     if constexpr (uses<typename S::Joints>) acceleration_valid = !w.tree.is_stiff && !stop_changes(w);
     if constexpr (uses<ContactsOf<S>>)
-      acceleration_valid =
-          acceleration_valid && have_same_active_contacts(w.contacts.memories);
+      acceleration_valid = acceleration_valid && have_same_active_contacts(w.contacts.memories);
     if constexpr (uses<NetOf<S>>)
       acceleration_valid = acceleration_valid && !w.contacts.net.report.majorised &&
-                           w.contacts.net.is_solved &&
-                           have_same_active_contacts(w.contacts.net.memories);
+                           w.contacts.net.is_solved && have_same_active_contacts(w.contacts.net.memories);
     return acceleration_valid;
   }
 

@@ -77,10 +77,12 @@ bool joints_hold_at_start(const Params<S>& par, const State<S>& x) noexcept {
 
 /// Begins the contacts of substep k of a stage.
 template <Scene S>
-void begin_substep([[maybe_unused]] int k, [[maybe_unused]] int substeps,
-                   [[maybe_unused]] const auto& stage, [[maybe_unused]] Scratch<S>& w) noexcept {
+void begin_substep([[maybe_unused]] int k, [[maybe_unused]] int substeps, [[maybe_unused]] const auto& stage,
+                   [[maybe_unused]] Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) {
-    const auto begin = [k](auto& memories) noexcept { k == 0 ? memories.restart() : memories.next_substep(); };
+    const auto begin = [k](auto& memories) noexcept {
+      k == 0 ? memories.restart() : memories.next_substep();
+    };
     w.contacts.stage = stage;
     if (k > 0) w.contacts.stage = {.found = w.contacts.report.found, .continues_step = true};
     w.contacts.stage.relaxation_time = stage.relaxation_time / substeps;

@@ -59,10 +59,10 @@ template <class T>
 Vector3<T> arc_beyond_chord(const Vector3<T>& a, const Vector3<T>& n, const T& a_n) noexcept {
   const Vector3<T> chord = n * a_n - a;
   const T s = chord.squaredNorm();
-  const T series = s * (T(1.0 / 6) +
-                        s * (T(3.0 / 40) +
-                             s * (T(5.0 / 112) + s * (T(35.0 / 1152) + s * (T(63.0 / 2816) +
-                                                                            s * T(231.0 / 13312))))));
+  const T series =
+      s * (T(1.0 / 6) +
+           s * (T(3.0 / 40) +
+                s * (T(5.0 / 112) + s * (T(35.0 / 1152) + s * (T(63.0 / 2816) + s * T(231.0 / 13312))))));
   return chord * series;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact/pairs.h"
+#include "core/contact/places.h"
 #include "core/math/flatten.h"
 
 namespace godobject {
@@ -94,7 +95,7 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, con
 }
 
 /// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one. start: the
-/// contacts as found, without depths. penetration_jumps: set if some depth is unexplained (35). Returns the
+/// contacts as found, completed by their depths. penetration_jumps: set if some depth is unexplained (35). Returns the
 /// initial energy of the contact springs (38), J.
 template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
@@ -106,7 +107,6 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
       gathered({recall.find_or_empty(near.of[0]->key), recall.find_or_empty(near.of[1]->key),
                 recall.find_or_empty(near.of[2]->key), recall.find_or_empty(near.of[3]->key)});
   const Pack v_n = near.all(&NearContact::v_n);
-  start.n_W = near.all(&NearContact::n_W);
   start.d_0 = near.all(&NearContact::d) + h * v_n;
   // approach during the extrapolation to the start of the stage explains depth (35); approach within a stage
   // that was not predicted does not
@@ -179,64 +179,6 @@ void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack
   }
 }
 
-/// Returns the radius that rolls in a contact (51): that of the touching sphere. Of two spheres half the
-/// difference, so that the order of their bodies does not matter.
-template <std::size_t max_spheres, std::size_t max_surfaces>
-Real rolling_radius(const ContactParams<max_spheres, max_surfaces>& par, const NearContact& near) noexcept {
-  if (near.of < max_surfaces) return 0;
-  const Real radius = par.spheres[near.of - max_surfaces].radius;
-  return near.on < max_surfaces ? radius : (radius - par.spheres[near.on - max_surfaces].radius) / 2;
-}
-
-/// Places and velocities of the bodies of a group at the predicted end of the stage, for four contacts.
-/// Body `first` is that whose twist is used; other: the body it touches, or the world.
-template <class Contacts, std::size_t N>
-class GroupPlaces {
- public:
-  GroupPlaces(std::uint32_t first, std::uint32_t other, const ContactFinder<Contacts, N>& w) noexcept {
-    at_.p_a = w.at[first].p_W.template cast<Pack>();
-    at_.R_a = w.at[first].R_WB.template cast<Pack>();
-    first_ = &w.at[first];
-    if (Contacts::between_bodies && other < N) {
-      other_ = &w.at[other];
-      at_.p_b = other_->p_W.template cast<Pack>();
-      at_.R_b = other_->R_WB.template cast<Pack>();
-    }
-  }
-  const Vector3<Pack>& p_W() const noexcept { return at_.p_a; }
-
-  /// Returns the places of the touching and touched bodies. side: 1 for contacts whose touching body is the
-  /// first, otherwise -1.
-  ContactPlacesOf<Pack> of(const Pack& side) const noexcept {
-    ContactPlacesOf<Pack> at = at_;
-    if constexpr (Contacts::between_bodies) {
-      const auto swapped = side < 0;
-      if (!any(swapped)) return at;
-      for (Eigen::Index k = 0; k < 3; ++k) {
-        at.p_a[k] = select(swapped, at_.p_b[k], at_.p_a[k]);
-        at.p_b[k] = select(swapped, at_.p_a[k], at_.p_b[k]);
-      }
-      for (Eigen::Index k = 0; k < 9; ++k) {
-        at.R_a.data()[k] = select(swapped, at_.R_b.data()[k], at_.R_a.data()[k]);
-        at.R_b.data()[k] = select(swapped, at_.R_a.data()[k], at_.R_b.data()[k]);
-      }
-    }
-    return at;
-  }
-  /// Returns the predicted velocities of points of the first body against the other.
-  Vector3<Pack> velocity(const Vector3<Pack>& c_W) const noexcept {
-    const auto of = [&](const TreePlace& at) noexcept {
-      const Vector3<Pack> r = c_W - at.a_W.template cast<Pack>();
-      return Vector3<Pack>(at.V.v.template cast<Pack>() + at.V.w.template cast<Pack>().cross(r));
-    };
-    return other_ == nullptr ? of(*first_) : Vector3<Pack>(of(*first_) - of(*other_));
-  }
-
- private:
-  ContactPlacesOf<Pack> at_;
-  const TreePlace *first_ = nullptr, *other_ = nullptr;
-};
-
 /// Linearises a group of near contacts (24), four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
@@ -245,7 +187,7 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   const NearContact& one = w.near.list[group.first];
   const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
-  const GroupPlaces<Contacts, N> places(one.a, one.b, w.finder);
+  GroupPlaces<Contacts, N> places(one.a, one.b, w.finder);
   const auto law = [&](const ContactLaw& of) noexcept {
     return stage_law<Contacts>(of, m, h, w.stage.relaxation_time, on_world);
   };
@@ -258,10 +200,11 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
     const NearFour near(&w.near.list[i], group.end - i);
     const Pack sides = near.sides(one.a);
     const Vector3<Pack> c_W = near.all(&NearContact::p_W);
-    ContactStartOf<Pack> start;
-    start.at = places.of(sides);
-    start.v_W = places.velocity(c_W) * sides;
-    start.rho = gathered(lanes_of_four, [&](std::size_t j) { return rolling_radius(par, *near.of[j]); });
+    ContactStartOf<Pack> start{
+        .at = places.of(sides),
+        .n_W = near.all(&NearContact::n_W),
+        .v_W = places.velocity(c_W) * sides,
+        .rho = gathered(lanes_of_four, [&](std::size_t j) { return rolling_radius(par, *near.of[j]); })};
     found += begin_four(near, laws_of(near, common_law, law_in_stage, law_of_contact, law), sides,
                         c_W - places.p_W(), h, w.stage, start, recall, w.penetration_jumps, w.initial[first],
                         w.packs[first]);

@@ -323,7 +323,7 @@ void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
         first_pack = pair.first_pack;
       }
     }
-    const GroupPlaces<Contacts, N> places(a, w.near.list[group.first].b, w.finder);
+    GroupPlaces<Contacts, N> places(a, w.near.list[group.first].b, w.finder);
     for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
       const NearFour near(&w.near.list[i], group.end - i);
       const Pack sides = near.sides(a);

@@ -54,10 +54,9 @@ ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, const Vector3<Pack>&
     return b == NetContactTerm::on_world ? at_origin : bodies.at[b];
   };
   const Matrix3<Pack> R = gathered(lanes_of_four, [&](std::size_t j) -> const Mat3& { return at(j).R_WB; });
-  return {.R_a = R,
-          .R_b = R,
-          .p_a = p_W,
-          .p_b = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return at(j).p_W; })};
+  return {.R_a = R, .R_b = R, .p_a = p_W, .p_b = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& {
+                                            return at(j).p_W;
+                                          })};
 }
 /// Returns the positions of four nodes in contact.
 template <class Net>
@@ -95,10 +94,13 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
-    ContactStartOf<Pack> start;
-    start.at = places_of_nodes(near, positions_of_nodes<typename Contacts::Net>(net.par, near), w.finder);
-    start.v_W = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return v_W[j]; });
-    start.rho = 0;
+    const ContactPlacesOf<Pack> places =
+        places_of_nodes(near, positions_of_nodes<typename Contacts::Net>(net.par, near), w.finder);
+    ContactStartOf<Pack> start{
+        .at = places,
+        .n_W = near.all(&NearContact::n_W),
+        .v_W = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return v_W[j]; }),
+        .rho = 0};
     found += begin_four(near, gathered(laws), near.live(),
                         gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
                         w.stage, start, recall, w.penetration_jumps, of.initial[p], of.packs[p]);

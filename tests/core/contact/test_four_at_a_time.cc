@@ -20,8 +20,8 @@ ContactPlacesOf<Real> drawn_places(Random& random) {
 /// Draws the memory of a contact at c_W of normal n_W, or of another one.
 ContactMemory drawn_memory(Random& random, const ContactPlacesOf<Real>& at, const Vec3& c_W,
                            const Vec3& n_W) {
-  const Vec3 n = random.integer(0, 3) > 0 ? Vec3((n_W + 0.3 * random.vector()).normalized())
-                                          : random.direction();
+  const Vec3 n =
+      random.integer(0, 3) > 0 ? Vec3((n_W + 0.3 * random.vector()).normalized()) : random.direction();
   Vec3 xi = 1e-4 * random.vector();
   xi -= n * n.dot(xi);
   const AnchorsOf<Real> anchors = anchored<Real>(at, c_W + 1e-4 * random.vector(), n, xi);
@@ -81,41 +81,44 @@ void expect_near(const Vec3& a, const Vec3& b, Real size) {
 
 /// Contacts, their memory and their laws; numbers of different magnitude.
 struct Drawn {
+  ContactPlacesOf<Real> at;
+  ContactPlacesOf<Pack> at_4;
   std::array<ContactMemory, 4> before;
   std::array<NearContact, 4> near;
   std::array<StageLawOf<Real>, 4> laws;
-  std::array<ContactStartOf<Real>, 4> starts;
+  std::array<Vec3, 4> v_W;
+  std::array<Real, 4> rho, d_0, approach;
 
-  Drawn(Random& random, Real h, Real relaxation_time) {
-    const ContactPlacesOf<Real> at = drawn_places(random);
+  Drawn(Random& random, Real h, Real relaxation_time)
+      : at(drawn_places(random)),
+        at_4{.R_a = at.R_a.cast<Pack>(),
+             .R_b = at.R_b.cast<Pack>(),
+             .p_a = at.p_a.cast<Pack>(),
+             .p_b = at.p_b.cast<Pack>()} {
     for (std::size_t j = 0; j < 4; ++j) {
       near[j].n_W = random.direction();
       near[j].p_W = random.vector();
       if (random.integer(0, 3) > 0) before[j] = drawn_memory(random, at, near[j].p_W, near[j].n_W);
       laws[j] = stage_law<Contacts>(drawn_law(random), random.log_uniform(1e-3, 10), h, relaxation_time,
                                     random.integer(0, 1) > 0);
-      starts[j] = {.at = at,
-                   .n_W = near[j].n_W,
-                   .v_W = 0.1 * random.vector(),
-                   .rho = random.uniform(0, 0.1),
-                   .d_0 = random.uniform(-1e-3, 2e-3),
-                   .approach = random.uniform(0, 1e-3)};
+      v_W[j] = 0.1 * random.vector();
+      rho[j] = random.uniform(0, 0.1);
+      d_0[j] = random.uniform(-1e-3, 2e-3);
+      approach[j] = random.uniform(0, 1e-3);
     }
   }
-  Pack all(Real ContactStartOf<Real>::*number) const {
-    return {starts[0].*number, starts[1].*number, starts[2].*number, starts[3].*number};
+  ContactStartOf<Real> start(std::size_t j) const {
+    return {
+        .at = at, .n_W = near[j].n_W, .v_W = v_W[j], .rho = rho[j], .d_0 = d_0[j], .approach = approach[j]};
   }
   ContactStartOf<Pack> start() const {
-    const ContactPlacesOf<Real>& at = starts[0].at;
-    return {.at = {.R_a = at.R_a.cast<Pack>(),
-                   .R_b = at.R_b.cast<Pack>(),
-                   .p_a = at.p_a.cast<Pack>(),
-                   .p_b = at.p_b.cast<Pack>()},
-            .n_W = four_vectors([&](std::size_t j) { return starts[j].n_W; }),
-            .v_W = four_vectors([&](std::size_t j) { return starts[j].v_W; }),
-            .rho = all(&ContactStartOf<Real>::rho),
-            .d_0 = all(&ContactStartOf<Real>::d_0),
-            .approach = all(&ContactStartOf<Real>::approach)};
+    const auto lanes = [](const auto& of) { return Pack(of[0], of[1], of[2], of[3]); };
+    return {.at = at_4,
+            .n_W = four_vectors([&](std::size_t j) { return near[j].n_W; }),
+            .v_W = four_vectors([&](std::size_t j) { return v_W[j]; }),
+            .rho = lanes(rho),
+            .d_0 = lanes(d_0),
+            .approach = lanes(approach)};
   }
 };
 
@@ -151,20 +154,19 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
                             .d = d});
     for (std::size_t j = 0; j < 4; ++j) {
       const StageLawOf<Real>& its = drawn.laws[j];
-      const InitialContactOf<Real> one =
-          recalled<Real>(its, stage, h, past(drawn.before[j]), drawn.starts[j]);
+      const InitialContactOf<Real> one = recalled<Real>(its, stage, h, past(drawn.before[j]), drawn.start(j));
       expect_near(lane(initial.xi_W, j), one.xi_W, 10);  // positions of some metres
       expect_near(initial.e[j], one.e, 1e-2);
       expect_near(initial.F_n[j], one.F_n, 10);
       expect_near(initial.found[j], one.found, its.k * 1e-4);
       known += one.F_n >= 0;
       const ContactPastOf<Real> end = carried_over<Real>({.contact = one,
-                                                          .v_W = drawn.starts[j].v_W,
+                                                          .v_W = drawn.v_W[j],
                                                           .kept = its.kept,
                                                           .given = its.given,
                                                           .v_per_xi = its.v_per_xi},
                                                          stage, h,
-                                                         {.at = drawn.starts[j].at,
+                                                         {.at = drawn.at,
                                                           .c_W = drawn.near[j].p_W,
                                                           .n_W = drawn.near[j].n_W,
                                                           .s_W = slips[j],
@@ -185,12 +187,10 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
   EXPECT_GT(pressed, 10000);
 }
 
-/// Returns four contacts of bodies in their own axes, at rest.
-ContactStartOf<Pack> at_rest() {
-  ContactStartOf<Pack> start;
-  start.v_W.setConstant(Pack(0));
-  start.rho = 0;
-  return start;
+/// Returns four contacts of bodies whose axes are those of the world, at rest.
+ContactStartOf<Pack> at_rest(const NearFour& near) {
+  static const ContactPlacesOf<Pack> at;
+  return {.at = at, .n_W = near.all(&NearContact::n_W), .v_W = Vector3<Pack>::Constant(Pack(0)), .rho = 0};
 }
 
 /// Lanes that are left bear nothing, whatever their neighbours do: the body feels a contact once.
@@ -222,7 +222,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
     None none;
     const Vector3<Pack> p_W = near.all(&NearContact::p_W);
     const ContactStage stage{.relaxation_time = h};
-    ContactStartOf<Pack> start = at_rest();
+    ContactStartOf<Pack> start = at_rest(near);
     begin_four(near, laws, near.sides(0), p_W, h, stage, start, recall, none, initial, pack);
     predict<false>(pack, SpatialVector::zero());
     ContactSums sums;
@@ -262,10 +262,9 @@ TEST(FourAtATime, OfANewContactOnlyWhatAnExtrapolationMeasuredIsPressed) {
     ContactPack pack;
     InitialMemoryPack initial;
     None none;
-    ContactStartOf<Pack> start = at_rest();
-    const Pack found =
-        begin_four(near, gathered({of_stage, of_stage, of_stage, of_stage}), near.sides(0),
-                   near.all(&NearContact::p_W), h, stage, start, recall, none, initial, pack);
+    ContactStartOf<Pack> start = at_rest(near);
+    const Pack found = begin_four(near, gathered({of_stage, of_stage, of_stage, of_stage}), near.sides(0),
+                                  near.all(&NearContact::p_W), h, stage, start, recall, none, initial, pack);
     EXPECT_NEAR(found[0], law.push_out * law.push_out * 1e-5 / 2, 1e-15);
     return initial.contact.e[0];
   };

@@ -17,11 +17,10 @@ struct Carried : Pile<TouchingBodies<I, 2>> {
     const Vec3 w_W = random.uniform(1, 6) * random.direction(), v_W = random.vector();
     const Pose X_WF = {.p = random.vector(), .q = random.rotation()};
     const Pose X_FS = {.p = random.uniform(0.02, 0.2) * random.direction(), .q = random.rotation()};
-    this->add(rigid_body(1e6, 1e6 * Mat3::Identity()),
-              {.X_WB = X_WF, .V_WB = {.w = w_W, .v = v_W}});
+    this->add(rigid_body(1e6, 1e6 * Mat3::Identity()), {.X_WB = X_WF, .V_WB = {.w = w_W, .v = v_W}});
     const Vec3 p_W = X_WF.p + X_WF.q * X_FS.p;
-    this->add_brick({.X_WB = {.p = p_W, .q = X_WF.q * X_FS.q},
-                     .V_WB = {.w = w_W, .v = v_W + w_W.cross(p_W - X_WF.p)}});
+    this->add_brick(
+        {.X_WB = {.p = p_W, .q = X_WF.q * X_FS.q}, .V_WB = {.w = w_W, .v = v_W + w_W.cross(p_W - X_WF.p)}});
     // surfaces in the order of their bodies
     auto& contacts = this->par.contacts;
     const Surface of_brick = contacts.surfaces[0];
@@ -87,9 +86,9 @@ TYPED_TEST(Sticking, ARollingBallIsNotResisted) {
     scene.add_floor();
     const Real radius = 0.02, v = random.uniform(0.1, 0.6), way = random.uniform(-pi, pi);
     const Vec3 v_W = v * Vec3(std::cos(way), std::sin(way), 0), w_W = Vec3::UnitZ().cross(v_W) / radius;
-    scene.add_ball({.X_WB = {.p = Vec3(0, 0, radius - 1e-6), .q = random.rotation()},
-                    .V_WB = {.w = w_W, .v = v_W}},
-                   0.1, radius);
+    scene.add_ball(
+        {.X_WB = {.p = Vec3(0, 0, radius - 1e-6), .q = random.rotation()}, .V_WB = {.w = w_W, .v = v_W}}, 0.1,
+        radius);
     for (long n = std::lround(1 / h); n > 0; --n) scene.step();
     EXPECT_NEAR((scene.at(0).v_W - v_W).template head<2>().norm(), 0, 1e-11) << "h " << h;
     ASSERT_EQ(scene.x.contacts.size, 1u);
