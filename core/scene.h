@@ -267,7 +267,7 @@ struct NetState {
   std::array<NodeState<S>, NetOf<S>::max_nodes> nodes;
   ContactMemories<NetOf<S>::max_contacts> contacts;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<NetOf<S>::max_contacts>, Absent<27>>
-      forces;  // last stage
+      forces;  // contact forces of the last stage
 };
 
 template <class S>
@@ -279,7 +279,7 @@ struct State {
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetState<S>, Absent<21>> net;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<ContactsOf<S>::max_contacts>,
                                            Absent<27>>
-      forces;  // last stage
+      forces;  // contact forces of the last stage
 };
 
 /// Part for every body; empty if the type is empty.

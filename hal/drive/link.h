@@ -92,7 +92,7 @@ class DriveLink {
 /// Text of a frame of a drive's protocol.
 struct DriveText {
   std::uint8_t node = 0;                          // sender or receiver; 0: not a message of the protocol
-  std::string name;                               // "torque command"
+  std::string name;                               // name of the message, such as "torque command"
   std::optional<std::int64_t> position_counts{};  // as in DriveTelemetry
   std::string value{};                            // remaining content
 };
