@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "core/gain_watch.h"
-#include "core/net/energy.h"
+#include "core/net_energy.h"
 #include "core/stage.h"
 
 namespace godobject {

@@ -1,7 +1,7 @@
 // Setup of a triangle mesh before the first step: checks, pseudo-normals and grid, in arrays of the caller.
 #pragma once
 
-#include "core/joint/joint.h"
+#include "core/math/angle.h"
 #include "core/shape/mesh.h"
 
 namespace godobject {

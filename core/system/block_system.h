@@ -9,8 +9,8 @@
 
 #include <cstdint>
 
+#include "core/composition.h"
 #include "core/math/bit_set.h"
-#include "core/scene.h"
 #include "core/system/pivot.h"
 
 namespace godobject {

@@ -9,7 +9,7 @@
 
 #include "hal/can/filter.h"
 #include "hal/canopen/canopen.h"
-#include "hal/rig/params.h"
+#include "hal/drive/params.h"
 
 namespace godobject {
 
@@ -132,10 +132,6 @@ struct BusProtocol {
 };
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept;
-
-/// Returns the protocol of a bus: that of its drives, CANopen without drives. validate() requires one
-/// protocol per bus.
-DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept;
 
 /// Allocates: set-up only.
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/math/types.h"
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 #include "hal/tracker/params.h"
 
 namespace godobject {
