@@ -1,8 +1,8 @@
 // Anchors of a contact on both of its bodies, and the stretch between them as a function of poses.
 //
-// A contact stores, in the axes of both bodies, the point c at which they met, the normal n, and the stretch
-// xi of the sticking spring (23). At any other poses the stored values are seen as c_a, c_b, a, b, xi_a, xi_b,
-// and with the normal n there the stretch is
+// A contact stores, in the axes of both bodies, the points c_a, c_b that met, the normal n and the stretch xi
+// of the sticking spring (23). At any other poses the stored values are seen as c_a, c_b, a, b, xi_a, xi_b, and
+// with the normal n there the stretch is
 //
 //   (51)  xi = |xi| u / |u| + P (c_a - c_b) + rho (arc(a, n) - arc(b, n)),   u = Q(a, n) xi_a + Q(b, n) xi_b
 //
@@ -30,17 +30,18 @@ struct ContactPlacesOf {
 /// Anchors of one or four contacts, in the axes of body a or b, points from its centre of mass.
 template <class T>
 struct AnchorsOf {
-  Vector3<T> c_a, c_b;    // point at which both met, m
+  Vector3<T> c_a, c_b;    // points that met, m
   Vector3<T> n_a, n_b;    // normal off b; zero without a contact
   Vector3<T> xi_a, xi_b;  // stretch, m: of the point of a, against that of b
 };
 
-/// Returns the anchors of a contact that is now at c_W, with normal n_W and stretch xi_W.
+/// Returns the anchors of a contact that is now at c_W, with normal n_W and stretch xi_W. apart_W: way from the
+/// anchor of b to that of a, m.
 template <class T>
 AnchorsOf<T> anchored(const ContactPlacesOf<T>& at, const Vector3<T>& c_W, const Vector3<T>& n_W,
-                      const Vector3<T>& xi_W) noexcept {
+                      const Vector3<T>& xi_W, const Vector3<T>& apart_W) noexcept {
   const Matrix3<T> to_a = at.R_a.transpose(), to_b = at.R_b.transpose();
-  return {.c_a = to_a * (c_W - at.p_a),
+  return {.c_a = to_a * (c_W + apart_W - at.p_a),
           .c_b = to_b * (c_W - at.p_b),
           .n_a = to_a * n_W,
           .n_b = to_b * n_W,
@@ -66,11 +67,17 @@ Vector3<T> arc_beyond_chord(const Vector3<T>& a, const Vector3<T>& n, const T& a
   return chord * series;
 }
 
+/// Stretch of contacts at other places (51): turned with the bodies, and its change by their motion.
+template <class T>
+struct StretchOf {
+  Vector3<T> before_W, change_W;  // m
+};
+
 /// Returns the stretch (51) at the places `at` with the normal n_W. Zero if a body has turned so far about an
 /// axis in the tangent plane that no path of the contact point is known.
 template <class T>
-Vector3<T> stretch(const AnchorsOf<T>& of, const ContactPlacesOf<T>& at, const Vector3<T>& n_W,
-                   const T& rho) noexcept {
+StretchOf<T> stretch(const AnchorsOf<T>& of, const ContactPlacesOf<T>& at, const Vector3<T>& n_W,
+                     const T& rho) noexcept {
   using std::sqrt;
   const Vector3<T> a = at.R_a * of.n_a, b = at.R_b * of.n_b;
   const T a_n = a.dot(n_W), b_n = b.dot(n_W);
@@ -78,9 +85,9 @@ Vector3<T> stretch(const AnchorsOf<T>& of, const ContactPlacesOf<T>& at, const V
   const T u_sq = max(u.squaredNorm(), T(std::numeric_limits<Real>::min()));
   const Vector3<T> apart = (at.p_a - at.p_b) + (at.R_a * of.c_a - at.R_b * of.c_b);
   const Vector3<T> rolled = (arc_beyond_chord<T>(a, n_W, a_n) - arc_beyond_chord<T>(b, n_W, b_n)) * rho;
-  const Vector3<T> xi = u * sqrt(of.xi_a.squaredNorm() / u_sq) + apart + rolled;
-  return select(T(same_contact) <= min(a_n, b_n), Vector3<T>(xi - n_W * n_W.dot(xi)),
-                Vector3<T>(Vector3<T>::Constant(T(0))));
+  const T known = select(T(same_contact) <= min(a_n, b_n), T(1), T(0));
+  return {.before_W = u * (known * sqrt(of.xi_a.squaredNorm() / u_sq)),
+          .change_W = (apart - n_W * n_W.dot(apart) + rolled) * known};
 }
 
 }  // namespace godobject

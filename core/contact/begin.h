@@ -27,7 +27,8 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxatio
           .given = h * per_eta_t,
           .max_decrease = Contacts::between_bodies ? std::min(by, most) : by,
           .max_lag = on_world ? infinity : std::min(max_pushed_steps * by, most),
-          .max_stored_penetration = stored};
+          .max_stored_penetration = stored,
+          .max_stored_stretch = law.k_t > 0 ? law.push_out * std::sqrt(m / law.k_t) : infinity};
 }
 
 /// Up to four consecutive near contacts; unused lanes repeat the last one.
@@ -70,7 +71,8 @@ StageLawOf<Pack> each_number(F of) noexcept {
           .given = of(&Law::given),
           .max_decrease = of(&Law::max_decrease),
           .max_lag = of(&Law::max_lag),
-          .max_stored_penetration = of(&Law::max_stored_penetration)};
+          .max_stored_penetration = of(&Law::max_stored_penetration),
+          .max_stored_stretch = of(&Law::max_stored_stretch)};
 }
 inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
   return each_number(
@@ -152,7 +154,6 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, const 
     next.list[next.size++] = {.key = near.of[j]->key,
                               .e = past.e[j],
                               .pressed = past.pressed[j],
-                              .stretched = past.stretched[j],
                               .F_n = past.F_n[j],
                               .c_a = c_a[j],
                               .c_b = c_b[j],

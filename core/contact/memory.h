@@ -14,9 +14,8 @@ struct ContactMemory {
   std::uint64_t key = 0;
   Real e = 0;            // rest penetration: the offset of the contact spring, m
   Real pressed = 0;      // compression of the spring at the end of the last stage, m
-  Real stretched = 0;    // length of the sticking spring there, m
   Real F_n = 0;          // normal force in the last stage, N; 0: inactive
-  Column c_a, c_b;       // anchors (51), of the last stage's predicted end
+  Column c_a, c_b;       // anchors (51)
   Column n_a, n_b, n_W;  // normal
   Column xi_a, xi_b;     // stretch
   Column slip_dot_W;     // rate at which the contact point slips, m/s

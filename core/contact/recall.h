@@ -23,7 +23,7 @@ template <class T>
 struct ContactPastOf {
   AnchorsOf<T> anchors;
   Vector3<T> n_W, slip_dot_W;
-  T e, pressed, stretched, F_n;
+  T e, pressed, F_n;
 };
 inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& of) noexcept {
   const auto vectors = [&](auto member) noexcept {
@@ -42,7 +42,6 @@ inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& o
           .slip_dot_W = vectors(&ContactMemory::slip_dot_W),
           .e = numbers(&ContactMemory::e),
           .pressed = numbers(&ContactMemory::pressed),
-          .stretched = numbers(&ContactMemory::stretched),
           .F_n = numbers(&ContactMemory::F_n)};
 }
 
@@ -60,6 +59,7 @@ struct StageLawOf {
   T max_decrease = 0;            // largest decrease of e in the stage, m
   T max_lag = 0;                 // largest distance of a decreasing e below the depth, m
   T max_stored_penetration = 0;  // m (35)
+  T max_stored_stretch = 0;      // m (35)
 };
 
 /// Contacts as found for a stage.
@@ -115,6 +115,14 @@ auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& pa
           (most < start.d_0 + T(stage.extrapolated) * v_n - (past.e + past.pressed)));
 }
 
+/// Returns a vector with its length bounded.
+template <class T>
+Vector3<T> bounded(const Vector3<T>& x, const T& most) noexcept {
+  using std::sqrt;
+  const T size = sqrt(x.squaredNorm());
+  return x * select(most < size, most / max(size, T(std::numeric_limits<Real>::min())), T(1));
+}
+
 /// Returns the initial data of contacts in a stage of length h, from the memory of the previous one. If the
 /// normal has turned round a corner, the contact is a new one.
 template <class T>
@@ -123,9 +131,11 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
   const auto known = T(same_contact) <= past.n_W.dot(start.n_W);
   const Vector3<T> none = Vector3<T>::Constant(T(0));
   // linear from the predicted end of the stage, as the depth is
-  Vector3<T> xi = stretch(past.anchors, start.at, start.n_W, start.rho) -
-                  past.slip_dot_W * T(stage.extrapolated) - start.v_W * T(h);
-  xi -= start.n_W * start.n_W.dot(xi);
+  const StretchOf<T> seen = stretch(past.anchors, start.at, start.n_W, start.rho);
+  const Vector3<T> v_t = start.v_W - start.n_W * start.n_W.dot(start.v_W);
+  const Vector3<T> beyond = seen.change_W - past.slip_dot_W * T(stage.extrapolated) - v_t * T(h);
+  const Vector3<T> xi =
+      seen.before_W + (stage.is_joined() ? bounded(beyond, law.max_stored_stretch) : beyond);
   T offset = relax_offset(past.e, start.d_0, law.max_decrease, law.max_lag);
   if (stage.is_joined()) offset += max(start.d_0 - past.e - past.pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < past.pressed, past.pressed + past.e - offset, T(0));
@@ -158,12 +168,11 @@ struct ContactEndOf {
   T d;                           // depth, m
 };
 
-/// Returns the contact memory at the end. Anchors are those of the predicted end, from which the true end is
-/// seen by (51).
+/// Returns the contact memory at the end. The points of the anchors meet where the linear stage ends, and lie
+/// apart at its predicted end.
 template <class T>
 ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, const ContactStage& stage, Real h,
                               const ContactEndOf<T>& end) noexcept {
-  using std::sqrt;
   const Vector3<T>&n_W = end.n_W, &xi_0 = initial.contact.xi_W;
   const T F_n = n_W.dot(end.F_W);
   const Vector3<T> none = Vector3<T>::Constant(T(0));
@@ -173,14 +182,12 @@ ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, const ContactSt
   const Vector3<T> v_t = end.s_W - xi_0 * initial.v_per_xi;
   const Vector3<T> slip_dot = v_t - (xi - xi_0) * T(1 / h);
   const Vector3<T> beyond = v_t - initial.v_W;
-  const Vector3<T> xi_predicted = xi - (beyond - n_W * n_W.dot(beyond)) * T(h);
   return {
-      .anchors = anchored<T>(end.at, end.c_W, n_W, xi_predicted),
+      .anchors = anchored<T>(end.at, end.c_W, n_W, xi, (n_W * n_W.dot(beyond) - beyond) * T(h)),
       .n_W = n_W,
       .slip_dot_W = initial.contact.slip_dot_W * T(stage.slip_before) + slip_dot * T(1 - stage.slip_before),
       .e = initial.contact.e,
       .pressed = max(end.d - initial.contact.e, T(0)),
-      .stretched = sqrt(xi.squaredNorm()),
       .F_n = F_n};
 }
 

@@ -197,12 +197,11 @@ TYPED_TEST(Friction, OfNothingHoldsNothing) {
 TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
   const Vec3 n_W = Vec3::UnitZ(), none = Vec3::Zero(), xi_W(4e-4, 2e-4, 0);
   const ContactPlacesOf<Real> at;
-  const ContactPastOf<Real> past{.anchors = anchored<Real>(at, none, n_W, xi_W),
+  const ContactPastOf<Real> past{.anchors = anchored<Real>(at, none, n_W, xi_W, none),
                                  .n_W = n_W,
                                  .slip_dot_W = Vec3(1, 1, 0),
                                  .e = 0,
                                  .pressed = 0,
-                                 .stretched = xi_W.norm(),
                                  .F_n = 1};
   const ContactStartOf<Real> start{.at = at, .n_W = n_W, .v_W = none, .rho = 0, .d_0 = 0, .approach = 0};
   EXPECT_EQ(recalled<Real>({.k = 1000}, {.continues_step = true}, 1e-4, past, start).xi_W, xi_W);
