@@ -27,8 +27,7 @@ StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxatio
           .given = h * per_eta_t,
           .max_decrease = Contacts::between_bodies ? std::min(by, most) : by,
           .max_lag = on_world ? infinity : std::min(max_pushed_steps * by, most),
-          .max_stored_penetration = stored,
-          .max_stored_stretch = law.k_t > 0 ? law.push_out * std::sqrt(m / law.k_t) : infinity};
+          .max_stored_penetration = stored};
 }
 
 /// Up to four consecutive near contacts; unused lanes repeat the last one.
@@ -71,8 +70,7 @@ StageLawOf<Pack> each_number(F of) noexcept {
           .given = of(&Law::given),
           .max_decrease = of(&Law::max_decrease),
           .max_lag = of(&Law::max_lag),
-          .max_stored_penetration = of(&Law::max_stored_penetration),
-          .max_stored_stretch = of(&Law::max_stored_stretch)};
+          .max_stored_penetration = of(&Law::max_stored_penetration)};
 }
 inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
   return each_number(

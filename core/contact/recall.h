@@ -59,7 +59,6 @@ struct StageLawOf {
   T max_decrease = 0;            // largest decrease of e in the stage, m
   T max_lag = 0;                 // largest distance of a decreasing e below the depth, m
   T max_stored_penetration = 0;  // m (35)
-  T max_stored_stretch = 0;      // m (35)
 };
 
 /// Contacts as found for a stage.
@@ -115,14 +114,6 @@ auto are_penetration_jumps(const ContactStage& stage, const ContactPastOf<T>& pa
           (most < start.d_0 + T(stage.extrapolated) * v_n - (past.e + past.pressed)));
 }
 
-/// Returns a vector with its length bounded.
-template <class T>
-Vector3<T> bounded(const Vector3<T>& x, const T& most) noexcept {
-  using std::sqrt;
-  const T size = sqrt(x.squaredNorm());
-  return x * select(most < size, most / max(size, T(std::numeric_limits<Real>::min())), T(1));
-}
-
 /// Returns the initial data of contacts in a stage of length h, from the memory of the previous one. If the
 /// normal has turned round a corner, the contact is a new one.
 template <class T>
@@ -133,9 +124,11 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
   // linear from the predicted end of the stage, as the depth is
   const StretchOf<T> seen = stretch(past.anchors, start.at, start.n_W, start.rho);
   const Vector3<T> v_t = start.v_W - start.n_W * start.n_W.dot(start.v_W);
-  const Vector3<T> beyond = seen.change_W - past.slip_dot_W * T(stage.extrapolated) - v_t * T(h);
-  const Vector3<T> xi =
-      seen.before_W + (stage.is_joined() ? bounded(beyond, law.max_stored_stretch) : beyond);
+  Vector3<T> beyond = seen.change_W - past.slip_dot_W * T(stage.extrapolated) - v_t * T(h);
+  // a point that has slipped farther than its place is in error has no place to keep
+  if (stage.is_joined())
+    beyond *= select(past.slip_dot_W.squaredNorm() * T(h * h) < beyond.squaredNorm(), T(1), T(0));
+  const Vector3<T> xi = seen.before_W + beyond;
   T offset = relax_offset(past.e, start.d_0, law.max_decrease, law.max_lag);
   if (stage.is_joined()) offset += max(start.d_0 - past.e - past.pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < past.pressed, past.pressed + past.e - offset, T(0));
