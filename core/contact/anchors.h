@@ -1,21 +1,23 @@
 // Anchors of a contact on both of its bodies, and the stretch between them as a function of poses.
 //
 // A contact stores, in the axes of both bodies, the points c_a, c_b that met, the normal n and the stretch xi
-// of the sticking spring (23). At any other poses the stored values are seen as c_a, c_b, a, b, xi_a, xi_b, and
-// with the normal n there the stretch is
+// of the sticking spring (23). At any other poses the stored values are seen as c_a, c_b, a, b, xi_a, xi_b.
+// With the normal n there the stretch is
 //
-//   (51)  xi = |xi| u / |u| + P (c_a - c_b) + rho (arc(a, n) - arc(b, n)),   u = Q(a, n) xi_a + Q(b, n) xi_b
+//   (51)  xi = |xi| u / |u| + P (c_a - c_b) + rho (arc(a, n) - arc(b, n)),
+//         u = Q(a, n) xi_a + Q(b, n) xi_b
 //
-// P projects into the tangent plane, and Q(a, n) turns a into n the shortest way. So xi turns about the normal
-// with the mean of both bodies. arc(a, n) is the arc on the unit sphere minus its chord in the tangent plane,
-// and rho the radius that rolls. Bodies that move as one, and spheres that roll on a plane, have no change of
-// xi at any size of the motion.
+// P projects into the tangent plane, and Q(a, n) turns a into n the shortest way. So xi turns about the
+// normal with the mean of both bodies. arc(a, n) is the arc on the unit sphere minus its chord in the tangent
+// plane, and rho the radius that rolls. Bodies that move as one, and spheres that roll on a plane, have no
+// change of xi at any size of the motion.
 #pragma once
 
 #include <cmath>
 #include <limits>
 
 #include "core/math/lanes.h"
+#include "core/math/so3.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -35,8 +37,8 @@ struct AnchorsOf {
   Vector3<T> xi_a, xi_b;  // stretch, m: of the point of a, against that of b
 };
 
-/// Returns the anchors of a contact that is now at c_W, with normal n_W and stretch xi_W. apart_W: way from the
-/// anchor of b to that of a, m.
+/// Returns the anchors of a contact that is now at c_W, with normal n_W and stretch xi_W. apart_W: way from
+/// the anchor of b to that of a, m.
 template <class T>
 AnchorsOf<T> anchored(const ContactPlacesOf<T>& at, const Vector3<T>& c_W, const Vector3<T>& n_W,
                       const Vector3<T>& xi_W, const Vector3<T>& apart_W) noexcept {
@@ -55,16 +57,11 @@ Vector3<T> turned(const Vector3<T>& u, const Vector3<T>& a, const Vector3<T>& n,
   return u - (a + n) * (u.dot(n) / (T(1) + max(a_n, T(0))));
 }
 
-/// Returns arc(a, n) by the series of the arc sine.
+/// Returns arc(a, n).
 template <class T>
 Vector3<T> arc_beyond_chord(const Vector3<T>& a, const Vector3<T>& n, const T& a_n) noexcept {
   const Vector3<T> chord = n * a_n - a;
-  const T s = chord.squaredNorm();
-  const T series =
-      s * (T(1.0 / 6) +
-           s * (T(3.0 / 40) +
-                s * (T(5.0 / 112) + s * (T(35.0 / 1152) + s * (T(63.0 / 2816) + s * T(231.0 / 13312))))));
-  return chord * series;
+  return chord * arc_per_sine_beyond_one(chord.squaredNorm());
 }
 
 /// Stretch of contacts at other places (51): turned with the bodies, and its change by their motion.

@@ -95,8 +95,8 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, con
 }
 
 /// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one. start: the
-/// contacts as found, completed by their depths. penetration_jumps: set if some depth is unexplained (35). Returns the
-/// initial energy of the contact springs (38), J.
+/// contacts as found, completed by their depths. penetration_jumps: set if some depth is unexplained (35).
+/// Returns the initial energy of the contact springs (38), J.
 template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,

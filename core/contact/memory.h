@@ -69,8 +69,8 @@ bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
   return i == a.size && j == b.size;
 }
 
-/// Contact memories in a stage: at the end of the previous stage, and at its own end. num: lists, one more than
-/// may be in use.
+/// Contact memories in a stage: at the end of the previous stage, and at its own end. num: lists, three with
+/// substeps.
 template <std::size_t max_contacts, std::size_t num>
 class StageMemories {
  public:
@@ -120,8 +120,7 @@ bool have_same_active_contacts(const StageMemories<max_contacts, num>& stage) no
 struct ContactStage {
   Real relaxation_time = 0;  // s, duration of the relaxation of e
   Real extrapolated = 0;     // s: extrapolation from the end of the previous stage to the start of this one
-  // share of the rate of slip before the stage in the rate after it: a half for the mean of both, by which
-  // TR-BDF2 extrapolates; else 0
+  // weight of the previous rate of slip in the stored one: a half for the mean, by which TR-BDF2 extrapolates
   Real slip_before = 0;
   Real found = 0;               // sum of ContactReport::found over the previous stages of the step, J
   bool continues_step = false;  // true after another stage of the step

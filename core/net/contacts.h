@@ -43,8 +43,8 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
   }
 }
 
-/// Returns the places of four nodes and of the bodies that they touch at the predicted end of the stage. Nodes
-/// have no attitude: their anchors (51) turn with the bodies.
+/// Returns the places of four nodes at p_W, and of the bodies that they touch, at the predicted end of the
+/// stage. Nodes have no attitude: their anchors (51) turn with the bodies.
 template <class Contacts, std::size_t N>
 ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, const Vector3<Pack>& p_W,
                                       const ContactFinder<Contacts, N>& bodies) noexcept {
