@@ -84,8 +84,10 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     for (std::uint32_t j = 0; j < 4; ++j) {
       const NearContact& one = *near.of[j];
       const bool on_world = one.b == NetContactTerm::on_world;
-      r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(one.p_W - w.finder.at[one.b].p_W);
-      v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, one.p_W);
+      // the lever ends at the node: friction at the surface would turn the body and nothing else
+      const Vec3 p_W = one.p_W + net.par.nodes[one.a].radius * one.n_W;
+      r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(p_W - w.finder.at[one.b].p_W);
+      v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
       if (j >= near.size) continue;
       Real m = net.par.nodes[one.a].m;
       if (!on_world) m = std::min(m, w.stages[one.b].M);
