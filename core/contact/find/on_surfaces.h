@@ -76,8 +76,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         return swept(shape, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)), pack.r[j]);
       };
       const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
-        return behind_face_before(pair | touch_key(s + j, o), w.before, w.of_stage, shape, lane(pack.p_W, j),
-                                  nearest);
+        return behind_face_before(pair | touch_key(s + j, o), *w.before, shape, lane(pack.p_W, j), nearest);
       };
       Pack d;
       Vector3<Pack> n_W;
