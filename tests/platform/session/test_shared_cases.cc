@@ -1,6 +1,5 @@
 // The scenes of ../shared/cases have the right values, with both integrators. Each represents a kind of
-// fault. Cases of contact memory (turntable, spatula, creep-grip, overhang, valley, order) belong to a future
-// contact pipeline.
+// fault. Cases of contact memory (turntable, spatula, creep-grip) belong to a future contact pipeline.
 #include "tests/platform/session/attacked.h"
 
 #include <cmath>
@@ -137,6 +136,52 @@ TEST_P(SharedCases, ABrickIsDeflectedByTheSideOfAnother) {
   const Vec3 v = read->bodies[brick].V_WB.v;
   const CycleRecord end = attacked(*read, Motion(*read), read->duration, [](const CycleRecord&) {});
   EXPECT_GT((end.bodies[brick].V_WB.v - v).norm(), 0.1 * v.norm());
+}
+
+TEST_P(SharedCases, AToolInAValleyOfOneMeshIsHeldByBothFaces) {
+  const auto read = scene("valley-pressed");
+  if (!read) GTEST_SKIP() << no_cases;
+  double slowest = 1, fastest = 0;
+  Vec3 felt = Vec3::Zero();
+  attacked(*read, motion_of("valley-pressed", *read), read->duration, [&](const CycleRecord& r) {
+    if (r.t < 2) return;
+    felt = r.bodies[0].feedback_D.f;
+    fastest = std::max(fastest, r.bodies[0].V_WB.v.norm());
+    slowest = std::min(slowest, r.bodies[0].feedback_D.f.z());
+  });
+  EXPECT_NEAR(felt.z(), 4.78, 0.02) << "statics of two planes";
+  EXPECT_NEAR(slowest, felt.z(), 1e-3) << "still";
+  EXPECT_LT(felt.head<2>().norm(), 1e-6);
+  EXPECT_LT(fastest, 1e-6);
+}
+
+TEST_P(SharedCases, ABrickOverAnEdgeIsTheSameBesideAnother) {
+  const auto alone = scene("overhang-one-body"), beside = scene("overhang-two-bodies");
+  if (!alone || !beside) GTEST_SKIP() << no_cases;
+  const auto end = [](const SceneConfig& read) {
+    return attacked(read, Motion(read), read.duration, [](const CycleRecord&) {})
+        .bodies[*body_named(read, "brick")];
+  };
+  const BodyView a = end(*alone), b = end(*beside);
+  EXPECT_LT((a.X_WB.p - b.X_WB.p).norm(), 1e-6);
+  EXPECT_LT(a.X_WB.q.angularDistance(b.X_WB.q), 1e-4);
+  EXPECT_LT(Vec3(a.X_WB.q.vec()).norm(), 0.01) << "its centre of mass is over the table";
+}
+
+TEST_P(SharedCases, TheOrderOfBodiesInTheFileDoesNotMatter) {
+  const auto one = scene("order-a"), other = scene("order-b");
+  if (!one || !other) GTEST_SKIP() << no_cases;
+  const auto end = [](const SceneConfig& read) {
+    return attacked(read, Motion(read), read.duration, [](const CycleRecord&) {});
+  };
+  const CycleRecord a = end(*one), b = end(*other);
+  for (const BodyConfig& body : one->bodies) {
+    const BodyView &of_a = a.bodies[*body_named(*one, body.name)],
+                   &of_b = b.bodies[*body_named(*other, body.name)];
+    EXPECT_LT((of_a.V_WB.v - of_b.V_WB.v).norm(), 1e-9) << body.name;
+    EXPECT_LT((of_a.V_WB.w - of_b.V_WB.w).norm(), 1e-7) << body.name;
+    EXPECT_LT((of_a.X_WB.p - of_b.X_WB.p).norm(), 1e-9) << body.name;
+  }
 }
 
 TEST_P(SharedCases, AdmittanceIsOfTheIntegratorsOrder) {
