@@ -37,7 +37,7 @@ struct DrawnScene {
 DrawnScene drawn(unsigned seed) {
   Random random(seed);
   DrawnScene scene;
-  const Real k = random.log_uniform(1e3, 1e5), c = random.uniform(0.05, 1) * 2 * std::sqrt(k * 0.01);
+  const Real k = random.log_uniform(1e3, 2e4), c = random.uniform(0.05, 1) * 2 * std::sqrt(k * 0.01);
   scene.law = {.k = k, .c = c, .mu = random.uniform(0, 0.8), .k_t = k, .c_t = c};
   scene.h = random.log_uniform(2e-4, 2e-3);
   ShapeParams floor, step;
