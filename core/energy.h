@@ -3,6 +3,7 @@
 
 #include "core/body/coupling.h"
 #include "core/device/device.h"
+#include "core/scene.h"
 
 namespace godobject {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "core/gain_watch.h"
-#include "core/net/energy.h"
+#include "core/net_energy.h"
 #include "core/stage.h"
 
 namespace godobject {
@@ -148,7 +148,8 @@ class EnergyBalance {
       const Coupled& last = last_[i];
       const SpringParams& spring = now.spring;
       const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
-      // target first, then body: damper work at the target's velocity, or at the previous one
+      // The target is moved before the body. The damper acts at the sample's velocity or at the mean velocity
+      // of the target's way, and the larger work counts.
       const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
       const Vec3 e_W = D.X_WD.p - last.X_WB.p;
       const Vec3 moved = D.X_WD.p - last.target.X_WD.p;

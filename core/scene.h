@@ -22,6 +22,7 @@
 
 #include "core/body/node.h"
 #include "core/body/rigid_body.h"
+#include "core/composition.h"
 #include "core/contact/forces.h"
 #include "core/contact/memory.h"
 #include "core/fault.h"
@@ -29,66 +30,6 @@
 
 namespace godobject {
 
-struct Empty {};
-
-/// Part that a scene does not have.
-struct None {
-  using Params = Empty;
-  using State = Empty;
-  template <class>
-  using StateOf = Empty;
-  using Input = Empty;
-  using Output = Empty;
-  using BodyOutput = Empty;
-  static constexpr std::size_t max = 0;  // largest number of nodes
-  static constexpr std::size_t max_contacts = 0;
-  static constexpr bool between_bodies = false;
-};
-
-/// Empty member of a part that a scene does not have. The type differs per slot, because two empty members of
-/// one type need two addresses, and so storage.
-template <int slot>
-struct Absent {};
-template <int slot>
-constexpr Real sum(const Absent<slot>&) noexcept {
-  return 0;
-}
-template <class T, int slot>
-using Slot = std::conditional_t<std::is_empty_v<T>, Absent<slot>, T>;
-
-template <class Part>
-inline constexpr bool uses = !std::is_same_v<Part, None>;
-
-/// Part that a scene lists under this name; None if it lists none.
-template <class S, template <class> class Named>
-struct ListedPart {
-  using type = None;
-};
-template <class S, template <class> class Named>
-requires requires { typename Named<S>; }
-struct ListedPart<S, Named> {
-  using type = Named<S>;
-};
-
-template <class S>
-using NamedContacts = typename S::Contacts;
-template <class S>
-using ContactsOf = typename ListedPart<S, NamedContacts>::type;
-template <class S>
-using NamedNodes = typename S::Nodes;
-template <class S>
-using NodesOf = typename ListedPart<S, NamedNodes>::type;
-template <class S>
-using NamedTerms = typename S::Terms;
-template <class S>
-using TermsOf = typename ListedPart<S, NamedTerms>::type;
-template <class S>
-using NamedNet = typename S::Net;
-template <class S>
-using NetOf = typename ListedPart<S, NamedNet>::type;
-
-template <class S>
-inline constexpr std::size_t max_nodes = NodesOf<S>::max;
 /// Returns the number of node j among all that contacts and terms act on. Nodes are numbered after the
 /// capacity for bodies.
 template <class S>
@@ -267,7 +208,7 @@ struct NetState {
   std::array<NodeState<S>, NetOf<S>::max_nodes> nodes;
   ContactMemories<NetOf<S>::max_contacts> contacts;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<NetOf<S>::max_contacts>, Absent<27>>
-      forces;  // last stage
+      forces;  // contact forces of the last stage
 };
 
 template <class S>
@@ -279,7 +220,7 @@ struct State {
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetState<S>, Absent<21>> net;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<ContactsOf<S>::max_contacts>,
                                            Absent<27>>
-      forces;  // last stage
+      forces;  // contact forces of the last stage
 };
 
 /// Part for every body; empty if the type is empty.

@@ -6,7 +6,7 @@
 #include "core/contact/contact.h"
 #include "core/device/device.h"
 #include "core/device/feedback.h"
-#include "core/joint/tree.h"
+#include "core/joint_stage.h"
 #include "core/net/setup.h"
 #include "core/validity.h"
 

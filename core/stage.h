@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/body/implicit_stage.h"
+#include "core/joint_stage.h"
 #include "core/stage_scratch.h"
 
 namespace godobject {

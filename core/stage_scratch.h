@@ -1,11 +1,12 @@
 // Working storage of a step, sized by the scene's parts and undefined between steps.
 #pragma once
 
+#include "core/body/lanes.h"
 #include "core/contact/bodies.h"
 #include "core/device/device.h"
 #include "core/joint/tree.h"
-#include "core/math/lanes.h"
 #include "core/net/solve.h"
+#include "core/scene.h"
 
 namespace godobject {
 

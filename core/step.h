@@ -4,7 +4,7 @@
 #include "core/device/feedback.h"
 #include "core/energy_rise.h"
 #include "core/math/flatten.h"
-#include "core/net/momentum.h"
+#include "core/net_momentum.h"
 #include "core/stage.h"
 
 namespace godobject {

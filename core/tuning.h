@@ -152,8 +152,8 @@ inline constexpr Real line_aim = 0.5;
 /// the next iteration continues a search that ends here. No sweep.
 inline constexpr Real max_scale = 2;
 
-/// Search for friction: iterations by tangents (25), then by secants (24); later ones keep the impedance,
-/// which cannot drive. Tolerances are shares of the largest normal force.
+/// Numbers of iterations by tangents (25), then by secants (24). Later iterations keep the impedance of
+/// friction, so that an unfinished search adds no energy. Tolerances are shares of the largest normal force.
 struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
@@ -256,7 +256,7 @@ inline constexpr std::size_t gain_steps = 8;
 inline constexpr Real gain_window = 1;
 
 // Rounding tolerances in checks of parameters and inputs, and in geometry. Far above the rounding of a
-// double, far below perception and the solver's tolerances. No sweep.
+// double, far below perception and the solver's tolerances. Not chosen by a sweep.
 
 /// Tolerances of |q|^2 - 1 of quaternions, in a scene and in a sample. The length differs by half of it.
 inline constexpr Real quaternion_tolerance = 1e-6, sample_quaternion_tolerance = 2e-6;

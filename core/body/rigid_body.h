@@ -1,10 +1,15 @@
 // A rigid body: parameters and state.
 #pragma once
 
+#include <cstddef>
+
 #include "core/math/so3.h"
 #include "core/tuning.h"
 
 namespace godobject {
+
+/// Number of the world, in place of a body's.
+inline constexpr std::size_t world = static_cast<std::size_t>(-1);
 
 template <class T>
 struct RigidBodyParamsOf {

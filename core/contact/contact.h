@@ -12,7 +12,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/joint/joint.h"
+#include "core/body/rigid_body.h"
 #include "core/math/block.h"
 #include "core/shape/list.h"
 #include "core/tuning.h"

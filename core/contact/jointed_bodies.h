@@ -5,6 +5,7 @@
 // equations then have the right side b - A V_p, and the contact points have the initial velocities of V_p.
 #pragma once
 
+#include "core/composition.h"
 #include "core/contact/island_terms.h"
 #include "core/contact/line_search.h"
 #include "core/joint/tree.h"
@@ -172,7 +173,7 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Twist& V_rel
 
 /// Begins the joint of body i: its edge, V_p of the body, V_0 that obeys the joint, and the effect of tension
 /// and stops on the stages.
-template <Scene S, class Contacts>
+template <class S, class Contacts>
 void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool touched, Real h,
                  TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                  BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
@@ -203,7 +204,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
 
 /// Begins the joints at the predicted end of the stage, and the bodies' stages for V - V_p. first: use the
 /// joint forces (21) of the previous step, otherwise of the previous solve.
-template <Scene S, class Contacts>
+template <class S, class Contacts>
 void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
                   TouchingJoints<S::max_bodies, typename S::Joints>& tree,
                   BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
@@ -281,7 +282,7 @@ template <class Contacts, std::size_t N, class Impulses>
 
 /// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts, plus
 /// those of its descendants.
-template <Scene S, class Contacts>
+template <class S, class Contacts>
 void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w,
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
   const auto& all = w.graph.joints;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "core/body/rigid_body.h"
 #include "core/body/target.h"
 #include "core/fault.h"
-#include "core/scene.h"
 #include "core/tuning.h"
 
 namespace godobject {

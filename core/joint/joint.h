@@ -9,13 +9,12 @@
 #include <array>
 #include <cstdint>
 
-#include "core/math/rotation_error.h"
+#include "core/body/rigid_body.h"
+#include "core/math/angle.h"
 
 namespace godobject {
 
 enum class JointKind : std::uint8_t;  // core/joint/list.h
-
-inline constexpr std::size_t world = static_cast<std::size_t>(-1);
 
 /// Frame on a body, in body axes about its centre of mass; on the world, in world axes.
 struct JointFrame {
@@ -54,28 +53,6 @@ struct JointMotion {
 
 /// Coordinates of a joint, at most two: rotations, then translations, rad and m.
 using JointCoordinates = Eigen::Matrix<Real, 2, 1>;
-
-/// Returns the angle in [-pi, pi] with this sine and cosine, which may be scaled alike.
-inline Real angle_of(Real sine, Real cosine) noexcept {
-  const Real n = std::sqrt(sine * sine + cosine * cosine);
-  const Real c = n > 0 ? cosine / n : 1, s = n > 0 ? sine / n : 0;
-  // half the angle, from the larger of 1 + c and 1 - c
-  const Real big = std::sqrt(Real(0.5) * (1 + std::abs(c)));
-  const Real small = std::abs(s) / (2 * big);
-  const Real w = c > 0 ? big : small, v = c > 0 ? small : big;
-  return std::copysign(log_factor(w) * v, s);
-}
-
-/// Returns the number of whole turns nearest to an angle, rad; the even one of two that are equally near.
-inline Real whole_turns(Real angle) noexcept {
-  // above this, neighbouring numbers are 1 apart, so the sum rounds to an integer. A product instead of this
-  // quotient might be fused with the sum, and half a turn would be no tie.
-  constexpr Real integers = 0x1.8p52;
-  return (angle / (2 * pi) + integers) - integers;
-}
-
-/// Returns the angle, rad, with the whole turns that bring it nearest to `near`: the same attitude.
-inline Real unwrapped(Real angle, Real near) noexcept { return angle + 2 * pi * whole_turns(near - angle); }
 
 /// Returns R turned about its own axis k by an angle, rad.
 inline Mat3 turned(const Mat3& R, int k, Real angle) noexcept {

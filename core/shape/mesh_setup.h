@@ -1,7 +1,7 @@
 // Setup of a triangle mesh before the first step: checks, pseudo-normals and grid, in arrays of the caller.
 #pragma once
 
-#include "core/joint/joint.h"
+#include "core/math/angle.h"
 #include "core/shape/mesh.h"
 
 namespace godobject {
@@ -177,7 +177,8 @@ inline MeshReport fill_grid(TriangleMesh& mesh, const MeshStorage& to) noexcept 
       std::min(to.cell_triangles.size(), std::size_t(std::numeric_limits<std::uint32_t>::max()));
   if (entries > room) return {MeshInvalid::cell_triangles_full, entries};
 
-  // from counts to the end of each cell; filling from the back turns it into the start
+  // Sums of the counts are the end of each cell's list. Lists are filled from the back, which moves each end
+  // to the start.
   for (std::size_t c = 1; c <= cells; ++c) start[c] += start[c - 1];
   for (std::size_t t = mesh.triangles.size(); t-- > 0;)
     for_each_cell_of(mesh, t, [&](std::size_t cell) { to.cell_triangles[--start[cell]] = std::uint32_t(t); });

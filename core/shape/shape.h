@@ -50,7 +50,7 @@ inline Vec3 direction(const Vec3& a, Real length, const Vec3& otherwise) noexcep
 template <class Shape>
 SurfacePoint nearest_on(const ShapeParams& par, const Vec3& p_W, Real reach) noexcept {
   const Vec3 p_S = to_body(par.X_WS.q, p_W - par.X_WS.p);
-  // before a kind clamps a coordinate or converts it to an index
+  // NaN and infinity end here, before a kind clamps a coordinate or converts it to an index
   if (!(p_S.sum() - p_S.sum() == 0)) return {.distance = std::numeric_limits<Real>::quiet_NaN()};
   const SurfacePoint s = Shape::nearest(par, p_S, reach);
   return {.distance = s.distance, .n = to_world(par.X_WS.q, s.n)};

@@ -9,8 +9,8 @@
 
 #include <cstdint>
 
+#include "core/composition.h"
 #include "core/math/bit_set.h"
-#include "core/scene.h"
 #include "core/system/pivot.h"
 
 namespace godobject {
@@ -167,7 +167,8 @@ struct BlockSystem {
     if (is_body(u)) f(std::integral_constant<int, 2>{});
     else f(std::integral_constant<int, 1>{});
   }
-  /// Calls f with the columns of a numbered unknown u as a constant: 1 for coordinates of a joint.
+  /// Calls f with the columns of a numbered unknown u as a constant: 2 for a body without a joint, 1 for a
+  /// joint's coordinates or a node.
   template <class F>
   void with_columns(std::uint32_t u, F f) const noexcept {
     if (is_body(u) && joint_of(u) == nullptr) f(std::integral_constant<int, 2>{});

@@ -12,8 +12,8 @@
 
 #include <tuple>
 
+#include "core/composition.h"
 #include "core/joint/edges.h"
-#include "core/scene.h"
 
 namespace godobject {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 
 namespace godobject {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 
 namespace godobject {
 

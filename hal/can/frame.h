@@ -2,14 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <span>
 
-namespace godobject {
+#include "hal/base/nanoseconds.h"
 
-using Nanoseconds = std::int64_t;  // since an arbitrary origin of the clock in use; never wall-clock time
-inline Nanoseconds to_ns(double seconds) noexcept { return std::llround(1e9 * seconds); }
+namespace godobject {
 
 struct CanFrame {
   std::uint32_t id = 0;  // 11 bits, or 29 when extended

@@ -6,7 +6,6 @@
 
 #include "hal/canopen/node_profile.h"
 #include "hal/canopen/sdo/sequence.h"
-#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -63,7 +63,7 @@ DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) cons
 
 void Drive::sent(const DriveCommand& command, Nanoseconds now) noexcept {
   order_ = command.order;
-  if (!command.out.frame) return;  // request_sent() then records the torque
+  if (!command.out.frame) return;  // torque within a request: request_sent() records it
   torque_Nm_ = command.order.torque_Nm;
   link_->sent(command.out, now);
 }

@@ -1,6 +1,6 @@
 #include "hal/drive/link.h"
 
-#include <algorithm>
+#include <array>
 
 #include "hal/drive/cia402_link.h"
 #include "hal/drive/moteus.h"
@@ -58,11 +58,6 @@ constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept {
   return protocols[static_cast<std::size_t>(protocol)].bus;
-}
-
-DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept {
-  const auto drive = std::ranges::find(rig.drives, bus, &DriveParams::bus);
-  return drive == rig.drives.end() ? DriveProtocol::cia402 : drive->protocol;
 }
 
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s) {

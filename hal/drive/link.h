@@ -9,7 +9,7 @@
 
 #include "hal/can/filter.h"
 #include "hal/canopen/canopen.h"
-#include "hal/rig/params.h"
+#include "hal/drive/params.h"
 
 namespace godobject {
 
@@ -92,7 +92,7 @@ class DriveLink {
 /// Text of a frame of a drive's protocol.
 struct DriveText {
   std::uint8_t node = 0;                          // sender or receiver; 0: not a message of the protocol
-  std::string name;                               // "torque command"
+  std::string name;                               // name of the message, such as "torque command"
   std::optional<std::int64_t> position_counts{};  // as in DriveTelemetry
   std::string value{};                            // remaining content
 };
@@ -132,10 +132,6 @@ struct BusProtocol {
 };
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept;
-
-/// Returns the protocol of a bus: that of its drives, CANopen without drives. validate() requires one
-/// protocol per bus.
-DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept;
 
 /// Allocates: set-up only.
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s);

@@ -24,7 +24,7 @@ enum Register : std::uint32_t {
   kp_scale = 0x023,            // 0..1
   kd_scale = 0x024,            // 0..1
   max_torque = 0x025,          // N m
-  watchdog_timeout = 0x027,    // s without a command until mode 11
+  watchdog_timeout = 0x027,    // s; after this time without a command the mode is 11
 };
 
 // Values of `mode`.

@@ -45,7 +45,7 @@ DriveText describe_request(const CanFrame& frame, std::uint8_t node) {
   return {.node = node, .name = name, .value = value};
 }
 
-// Register 00Fh in mode 1.
+// Returns the text of a fault: register 00Fh while the mode is 1 (fault).
 const char* name_of_fault(std::uint32_t fault) {
   switch (fault) {
     case 32: return "calibration";

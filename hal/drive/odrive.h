@@ -213,7 +213,7 @@ class OdriveLink final : public DriveLink {
   odrive::Heartbeat heartbeat_;
   bool heard_ = false;
   bool torque_mode_sent_ = false;
-  Step last_step_ = nothing;  // towards enabled
+  Step last_step_ = nothing;  // last step on the way to enabled
   Nanoseconds t_last_step_ns_ = 0;
 };
 

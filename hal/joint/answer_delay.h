@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 
 namespace godobject {
 

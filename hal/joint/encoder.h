@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
+#include "hal/joint/params.h"
 #include "hal/joint/velocity_estimator.h"
-#include "hal/rig/params.h"
 
 namespace godobject {
 

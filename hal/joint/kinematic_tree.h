@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/math/types.h"
-#include "hal/rig/params.h"
+#include "hal/joint/params.h"
 
 namespace godobject {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "hal/can/params.h"
 #include "hal/can/timing.h"
 #include "hal/canopen/canopen.h"
-#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "hal/base/codec.h"
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 
 namespace godobject {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "hal/joint/slip.h"
+#include "hal/rig/slip.h"
 
 namespace godobject {
 

@@ -46,7 +46,7 @@ class ReplyReceiver {
     more,
     text,      // content(): characters before the CRC
     binary,    // content(): body of a BX reply before its CRC
-    bad_crc,   // a whole reply is lost
+    bad_crc,   // a reply with a wrong CRC: it is lost
     too_long,  // more than `capacity` bytes without an end: they are lost
   };
 

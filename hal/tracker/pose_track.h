@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "core/body/target.h"
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 
 namespace godobject {
 

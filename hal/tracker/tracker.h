@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/math/types.h"
-#include "hal/can/frame.h"
+#include "hal/base/nanoseconds.h"
 #include "hal/tracker/params.h"
 
 namespace godobject {
@@ -91,8 +91,8 @@ class Tracker {
   /// Returns the next action; called after every receive() and every few ms, until there is none.
   virtual LineRequest next(Nanoseconds now) noexcept = 0;
 
-  /// Reports a missing or lost line. why: error of the operating system. too_long: further waiting is
-  /// useless.
+  /// Reports a missing or lost line. why: error of the operating system. too_long: true if the time to wait
+  /// for the line is over; the tracker has then failed.
   void line_lost(const std::string& why, bool too_long, Nanoseconds now) noexcept;
   /// Marks samples that have become too old.
   void expire(Nanoseconds now) noexcept;

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-#include "hal/drive/watchdog.h"
+#include "hal/rig/watchdog.h"
 
 namespace godobject {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "hal/canopen/commissioning.h"
+#include "hal/rig/commissioning.h"
 #include "hal/rig/rig.h"
 #include "platform/rt/clock.h"
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "hal/canopen/profile_validate.h"
-#include "hal/drive/watchdog.h"
+#include "hal/rig/profile_validate.h"
+#include "hal/rig/watchdog.h"
 #include "platform/scene/profile.h"
 
 namespace godobject {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "hal/canopen/profile_validate.h"
+#include "hal/rig/profile_validate.h"
 #include "platform/scene/keys/profile.h"
 #include "platform/scene/text/key_reference.h"
 #include "shipped_profiles.h"

@@ -10,7 +10,7 @@ namespace godobject {
 struct SimOdriveQuirks {
   std::uint32_t error_in_closed_loop = 0;  // error raised on the request for closed loop; 0: none
   bool firmware_0_5 = false;               // flags instead of the procedure result in the heartbeat
-  // motor error of firmware 0.5, which leaves the axis error 0; 1: set until cleared
+  // motor error of firmware 0.5, whose axis error stays 0; not 0 until Clear_Errors
   std::uint8_t motor_error = 0;
 };
 

@@ -1,7 +1,7 @@
 // The configuration of a drive by its profile against a node with random messages: boot-ups and SDO answers,
 // at any time.
-#include "hal/canopen/commissioning.h"
 #include "hal/canopen/sdo/sdo.h"
+#include "hal/rig/commissioning.h"
 #include "tests/fuzz/taking_bus.h"
 
 namespace {

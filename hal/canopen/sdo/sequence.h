@@ -87,7 +87,7 @@ class SdoSequence {
   std::int64_t read_value_ = 0;  // last value read, without the ignored bits
   std::int64_t written_value_ = 0;
   std::uint32_t cob_id_flags_ = 0;  // bit 30 as last read by switch_off
-  bool differs_ = false;            // a compare since the last skip_if_same differed
+  bool differs_ = false;            // a compare since the last skip_if_same found a difference
   bool stayed_on_ = false;          // the last switch_off was rejected by the node
   Nanoseconds wait_began_ns_ = 0, read_again_ns_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hal/drive/link.h"
+#include "hal/rig/params.h"
 
 namespace godobject {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "hal/canopen/profile_validate.h"
+#include "hal/rig/profile_validate.h"
 #include "hal/rig/validate.h"
 #include "platform/scene/fault_file.h"
 #include "platform/scene/profile.h"

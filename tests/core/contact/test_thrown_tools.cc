@@ -119,7 +119,7 @@ constexpr unsigned num_throws = 15;  // builds with assertions and sanitizers ta
 #endif
 
 /// Limit, as a share of the largest kinetic energy. One of the 12 000 has 1.3e-3, from the springs of its
-/// contacts (decision 044).
+/// contacts (decision 035).
 constexpr Real most_gain = 2e-3;
 
 template <class I>

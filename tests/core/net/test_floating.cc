@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "core/net/energy.h"
+#include "core/net_energy.h"
 #include "tests/core/net/usual_scene.h"
 
 namespace godobject::test_net_floating {

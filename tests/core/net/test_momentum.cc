@@ -2,7 +2,7 @@
 // the reported residual bounds the error of its velocities.
 #include <gtest/gtest.h>
 
-#include "core/net/energy.h"
+#include "core/net_energy.h"
 #include "tests/core/net/usual_scene.h"
 
 namespace godobject::test_net_momentum {

@@ -2,7 +2,7 @@
 // lost, late or missing answers.
 #include <gtest/gtest.h>
 
-#include "hal/joint/slip.h"
+#include "hal/rig/slip.h"
 #include "platform/scene/toml.h"
 #include "tests/support/faulty_rig.h"
 

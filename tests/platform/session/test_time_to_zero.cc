@@ -6,7 +6,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "hal/drive/watchdog.h"
+#include "hal/rig/watchdog.h"
 #include "tests/support/faulty_rig.h"
 
 namespace godobject::test_time_to_zero {

@@ -1,5 +1,5 @@
 // The master configures simulated nodes in their factory state; the rig then works with them.
-#include "hal/canopen/commissioning.h"
+#include "hal/rig/commissioning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include "hal/canopen/commissioning_steps.h"
 #include "hal/canopen/pdo_map.h"
-#include "hal/canopen/profile_validate.h"
 #include "hal/canopen/sdo/sequence.h"
+#include "hal/rig/profile_validate.h"
 #include "platform/scene/profile.h"
 #include "platform/scene/text/diagnostics.h"
 #include "platform/scene/toml.h"

@@ -5,8 +5,8 @@
 
 #include <random>
 
-#include "hal/canopen/commissioning.h"
 #include "hal/canopen/pdo_map.h"
+#include "hal/rig/commissioning.h"
 #include "tests/support/simulated_rig.h"
 
 namespace godobject::test_set_up_again {

@@ -1,4 +1,4 @@
-#include "hal/drive/watchdog.h"
+#include "hal/rig/watchdog.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "hal/canopen/commissioning.h"
+#include "hal/rig/commissioning.h"
 
 #include <cmath>
 

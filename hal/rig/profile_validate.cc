@@ -1,4 +1,4 @@
-#include "hal/canopen/profile_validate.h"
+#include "hal/rig/profile_validate.h"
 
 #include <algorithm>
 #include <sstream>
