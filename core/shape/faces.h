@@ -100,12 +100,12 @@ inline bool is_beside(const TouchedFace& face, const TouchedFace& nearer) noexce
 
 /// Finds the faces of a shape within reach of a sphere. p: its centre in the shape's frame. first_seen:
 /// surface seen from p, or from where a swept sphere touched it first. nearest: point of the surface nearest
-/// to p. reach: distance from p, m, >= radius. came_by_faces: true if an edge or corner that is nearest to p
-/// inside is replaced by the faces round it.
-template <class Shape>
+/// to p. reach: distance from p, m, >= radius. came_by(n): true if the sphere touched a face of this normal
+/// before. If p is inside and an edge or corner is nearest, the faces round it then replace that edge.
+template <class Shape, class CameBy>
 void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const SurfacePoint& first_seen,
-                const Vec3& nearest, Real reach, bool came_by_faces, TouchedFaces& faces) noexcept {
-  std::array<TouchedFace, 2 * max_touched_faces> others;
+                const Vec3& nearest, Real reach, CameBy came_by, TouchedFaces& faces) noexcept {
+  std::array<TouchedFace, 8 * max_touched_faces> others;  // some of which are part of nearer ones
   std::size_t num_others = 0;
   const TouchedFace first{.at = first_seen, .q = p - first_seen.distance * first_seen.n};
   bool is_edge = false;
@@ -124,9 +124,9 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
                              .corners = t};
       if (!is_beside(face, first)) return;
       faces.is_full |= TouchedFaces::insert(face, others, num_others) < radius;
-    } else if (came_by_faces && (at.p - nearest).norm() <= rounding - touching_triangle * height) {
+    } else if ((at.p - nearest).norm() <= rounding - touching_triangle * height) {
       // p is behind a face that meets the nearest point
-      is_edge = is_edge || is_other_normal(n, first.at.n);
+      is_edge = is_edge || (is_other_normal(n, first.at.n) && came_by(n));
       const TouchedFace face{.at = {.distance = height, .n = n}, .q = at.p, .corners = t};
       faces.is_full |= TouchedFaces::insert(face, others, num_others) < radius;
     }
@@ -135,6 +135,7 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
   faces.has_nearest = !is_edge;
   if (faces.has_nearest) faces.list[faces.size++] = first;
   for (std::size_t i = 0; i < num_others; ++i) {
+    if (!is_edge && others[i].at.distance <= 0) continue;
     const auto beside = [&](const TouchedFace& nearer) noexcept { return is_beside(others[i], nearer); };
     if (!std::all_of(faces.list.begin(), faces.list.begin() + static_cast<std::ptrdiff_t>(faces.size),
                      beside))

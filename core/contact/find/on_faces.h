@@ -52,19 +52,19 @@ void find_on_faces(const ContactFinder<Contacts, N>& w, NearContact contact, con
   const Vec3 p_S = R_WS.transpose() * (p_W - shape.p_W());
   const std::uint64_t touch = contact.key;
   MemoryOfFaces before{};
-  bool came_by_faces = nearest.distance < 0 && is_other_normal(first.n, nearest.n);
-  for (std::size_t slot = 0; slot < max_touched_faces; ++slot) {
+  for (std::size_t slot = 0; slot < max_touched_faces; ++slot)
     before[slot] = memory_of(face_key(touch, slot), w.before, w.of_stage);
-    came_by_faces |= nearest.distance < 0 && before[slot] != nullptr &&
-                     is_other_normal(before[slot]->n_W.vec(), nearest.n);
-  }
+  const auto came_by = [&](const Vec3& n_S) noexcept {
+    return nearest.distance < 0 &&
+           std::any_of(before.begin(), before.end(), [&](const ContactMemory* one) noexcept {
+             return one != nullptr && !is_other_normal(one->n_W.vec(), R_WS * n_S);
+           });
+  };
   const Vec3 nearest_S = R_WS.transpose() * (p_W - nearest.distance * nearest.n - shape.p_W());
   TouchedFaces faces;
   if (shape.kind() == ShapeKind::mesh)
-    find_faces<MeshShape>(shape.in_world(), p_S, r, first_S, nearest_S, r + reach, came_by_faces, faces);
-  else
-    find_faces<HeightFieldShape>(shape.in_world(), p_S, r, first_S, nearest_S, r + reach, came_by_faces,
-                                 faces);
+    find_faces<MeshShape>(shape.in_world(), p_S, r, first_S, nearest_S, r + reach, came_by, faces);
+  else find_faces<HeightFieldShape>(shape.in_world(), p_S, r, first_S, nearest_S, r + reach, came_by, faces);
   const auto slots = slots_of(before, R_WS, faces);
   for (std::size_t i = 0; i < faces.size; ++i) {
     contact.key = face_key(touch, slots[i]);
