@@ -8,9 +8,9 @@
 
 #include "core/setup.h"
 #include "platform/cli/time_to_zero.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/net/report.h"
-#include "platform/scene/top_speed.h"
+#include "platform/scene/net/params.h"
 
 namespace godobject {
 namespace {
@@ -73,7 +73,8 @@ void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
 void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& lines) {
   const SceneConfig& scene = prepared.session->scene();
   if (!scene.device || !scene.device->rig) return;
-  const std::vector<std::string> table = time_to_zero_lines(*scene.device->rig, prepared.profiles);
+  const std::vector<std::string> table =
+      time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles);
   for (std::size_t i = 1; i < table.size(); ++i)
     lines.push_back(
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));

@@ -12,7 +12,7 @@
 #include "platform/cli/option_text.h"
 #include "platform/rt/large_stack.h"
 #include "platform/rt/standard_descriptors.h"
-#include "platform/scene/text/nearest_name.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

@@ -23,12 +23,13 @@ std::string milliseconds(const std::optional<double>& s) {
 
 }  // namespace
 
-std::vector<std::string> time_to_zero_lines(const RigParams& rig, const RigProfiles& profiles) {
+std::vector<std::string> time_to_zero_lines(const RigParams& rig, double cycle_s,
+                                            const RigProfiles& profiles) {
   if (rig.drives.empty()) return {};
   std::vector<std::string> lines{"# time to zero torque after the death of this program"};
   for (std::size_t i = 0; i < rig.drives.size(); ++i) {
     const DriveParams& drive = rig.drives[i];
-    const TimeToZero time = time_to_zero(rig, i, profiles);
+    const TimeToZero time = time_to_zero(rig, cycle_s, i, profiles);
     lines.push_back(
         row(drive.joint + " (" + rig.buses[drive.bus].name + " node " + std::to_string(drive.node_id) + ")",
             milliseconds(time.s), time.mechanism));

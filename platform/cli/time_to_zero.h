@@ -9,7 +9,8 @@
 
 namespace godobject {
 
-/// Returns a head and one line for each drive; empty for a rig without drives.
-std::vector<std::string> time_to_zero_lines(const RigParams& rig, const RigProfiles& profiles);
+/// Returns a head and one line for each drive; empty for a rig without drives. cycle_s: step of the scene, s.
+std::vector<std::string> time_to_zero_lines(const RigParams& rig, double cycle_s,
+                                            const RigProfiles& profiles);
 
 }  // namespace godobject

@@ -50,7 +50,7 @@ bool pause(double s, const std::atomic<bool>& stop) {
 }
 
 std::vector<std::string> commission(const RigOnBuses& real, const std::atomic<bool>& stop) {
-  Commissioning nodes(real.rig, real.profiles, real.link.buses());
+  Commissioning nodes(real.rig, real.cycle_s, real.profiles, real.link.buses());
   const MonotonicClock clock;
   while (!nodes.done() && !stop) {
     nodes.poll(clock.now());

@@ -15,6 +15,7 @@ struct RigOnBuses {
   LinuxLink& link;
   const RigAddresses& where;
   const RigParams& rig;
+  double cycle_s;  // SYNC period, s
   const RigProfiles& profiles;
 
   /// True for a pseudo-terminal. The program that simulates the device opens its other end.

@@ -3,11 +3,11 @@
 #include "hal/rig/rig.h"
 
 namespace godobject {
-std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link) {
+std::vector<LastWords> last_words(const RigParams& params, double cycle_s, LinuxLink& link) {
   std::vector<FrameNotebook> notes(link.num_buses());
   std::vector<CanBus*> buses;
   for (FrameNotebook& note : notes) buses.push_back(&note);
-  Rig rig(params, buses);
+  Rig rig(params, cycle_s, buses);
   rig.start(0);
   rig.stop();
   std::vector<LastWords> words;

@@ -28,6 +28,6 @@ class FrameNotebook final : public CanBus {
 
 /// Returns the frames that Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational.
 /// Valid until a bus is closed.
-std::vector<LastWords> last_words(const RigParams& params, LinuxLink& link);
+std::vector<LastWords> last_words(const RigParams& params, double cycle_s, LinuxLink& link);
 
 }  // namespace godobject

@@ -1,5 +1,5 @@
 // A view costs the loop only a copy of the record, and only on request.
-#include "platform/view/tap.h"
+#include "platform/view/frame.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -9,8 +9,6 @@
 #include "platform/cli/bus/candump_log.h"
 #include "platform/rt/background_file.h"
 #include "platform/session/session.h"
-#include "platform/trace/contacts.h"
-#include "platform/trace/nets.h"
 #include "platform/trace/trace.h"
 
 namespace godobject {

@@ -5,7 +5,7 @@
 #include "platform/cli/report/warnings.h"
 #include "platform/rt/machine.h"
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
 namespace {

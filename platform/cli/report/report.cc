@@ -127,11 +127,13 @@ void add_trackers_not_ready(const RunReport& report, std::vector<FaultReport>& f
                                 name(tracker.report.state) + ": " + tracker.report.text.data()});
 }
 
-std::vector<BusReport> bus_reports(const PreparedRun& run, const RigParams& rig) {
+std::vector<BusReport> bus_reports(const PreparedRun& run) {
+  const SceneConfig& scene = run.session->scene();
+  const RigParams& rig = *scene.device->rig;
   std::vector<BusReport> reports;
   const Truth* const truth = run.session->truth();
   const std::vector<double> measured = truth != nullptr ? truth->bus_load_percent() : std::vector<double>{};
-  const std::vector<BusLoad> computed = bus_load(rig, usual_load(rig));
+  const std::vector<BusLoad> computed = bus_load(rig, scene.step, usual_load(rig));
   for (std::size_t i = 0; i < computed.size(); ++i)
     reports.push_back({.computed = computed[i],
                        .address = run.link || run.log ? run.buses.real.texts[i] : "",
@@ -157,7 +159,7 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
     report.spacemouse = {.socket = mouse->socket(), .counters = mouse->counters()};
   if (const Rig* rig = session.rig()) {
     const RigParams& params = *session.scene().device->rig;
-    report.buses = bus_reports(run, params);
+    report.buses = bus_reports(run);
     add_recoveries(result.recoveries, report.faults);
     const std::vector<std::string> troubles =
         run.link ? bus_troubles(*run.link, run.buses.real, params) : std::vector<std::string>{};

@@ -11,7 +11,7 @@
 #include "platform/rt/deadline_watch.h"
 #include "platform/rt/ring.h"
 #include "platform/session/session.h"
-#include "platform/view/tap.h"
+#include "platform/view/frame.h"
 
 namespace godobject {
 

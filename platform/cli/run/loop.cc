@@ -150,7 +150,7 @@ class RealtimeRun {
     session_.start(usual_boot_limit_s);
     ended_ = false;
     std::optional<LastResort> last_resort;
-    if (real_) last_resort.emplace(last_words(real_->rig, real_->link));
+    if (real_) last_resort.emplace(last_words(real_->rig, real_->cycle_s, real_->link));
     std::promise<std::vector<RtStep>> thread_setup;
     std::thread thread;
     try {

@@ -133,7 +133,6 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   scene.step = *options.step;
   if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
-  rig.cycle_s = scene.step;
   // Samples come once per step, so a longer step needs a longer stale time.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
@@ -196,7 +195,7 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
 }
 
 /// Makes the session on logs, in the time of the logs.
-Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, PreparedRun& run) {
+Session::Made make_session_on_logs(SceneConfig scene, Motion motion, PreparedRun& run) {
   auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
   std::vector<LogSource> sources;
   for (const BusAddress& bus : run.buses.real.addresses) {
@@ -206,24 +205,23 @@ Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, Prep
   if (const std::string why_not = link->read(sources); !why_not.empty())
     return {.session = nullptr, .errors = {"--bus: " + why_not}};
   run.log = run.plan.log = link.get();
-  return Session::make(scene, std::move(motion), std::move(link));
+  return Session::make(std::move(scene), std::move(motion), std::move(link));
 }
 
 /// Makes the session on the planned buses and trackers, whose threads are running then.
-Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
-                           PreparedRun& run) {
+Session::Made make_session(const RunOptions& options, SceneConfig scene, Motion motion, PreparedRun& run) {
   if (run.buses.choice == BusChoice::direct ||
       (run.buses.choice == BusChoice::sim && driven_bodies(scene).empty()))
-    return Session::make(scene, std::move(motion));
+    return Session::make(std::move(scene), std::move(motion));
   if (run.buses.choice == BusChoice::sim) {
     if (options.simulated.make_session != nullptr)
-      return options.simulated.make_session(scene, std::move(motion), run.profiles);
+      return options.simulated.make_session(std::move(scene), std::move(motion), run.profiles);
     return {
         .session = nullptr,
         .errors = {
             "this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus ADDRESS or --bus direct"}};
   }
-  if (run.buses.real.are_logs()) return make_session_on_logs(scene, std::move(motion), run);
+  if (run.buses.real.are_logs()) return make_session_on_logs(std::move(scene), std::move(motion), run);
   DeviceParts device{.buses = nullptr,
                      .trackers = {},
                      .clock = []() noexcept { return MonotonicClock{}.now(); },
@@ -234,7 +232,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
     device.buses = std::move(link);
   }
   if (!options.trackers.empty()) device.trackers = make_trackers(options, scene, run);
-  return Session::make(scene, std::move(motion), std::move(device));
+  return Session::make(std::move(scene), std::move(motion), std::move(device));
 }
 
 /// Returns the prefix of an error about the scene, with --step if only this step is invalid.
@@ -243,25 +241,52 @@ std::string blamed(const RunOptions& options, bool step_is_to_blame) {
   return options.scene + ": with --step " + shortest(*options.step) + ": ";
 }
 
-std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, usual_load(rig)); }
+bool is_rig_valid(const SceneConfig& scene) {
+  return has_rig(scene) && validate(*scene.device->rig, scene.step).empty();
+}
 
-void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
+std::vector<BusLoad> loads_of(const SceneConfig& scene) {
+  const RigParams& rig = *scene.device->rig;
+  return bus_load(rig, scene.step, usual_load(rig));
+}
+
+/// Properties of the rig with the step of the scene file, without --step.
+struct RigOfFile {
+  bool is_valid = false;
+  std::vector<BusLoad> loads{};  // empty without a rig
+};
+
+void check_bus_loads(const RunOptions& options, const SceneConfig& scene, const RigOfFile& of_file,
                      PreparedRun& run) {
-  run.bus_loads = loads_of(rig);
-  const std::vector<BusLoad> loads_of_scene = loads_of(rig_of_scene);
+  run.bus_loads = loads_of(scene);
   for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
     const BusLoad& load = run.bus_loads[i];
     if (!is_overloaded(load)) continue;
-    run.errors.push_back(blamed(options, options.step && !is_overloaded(loads_of_scene[i])) +
+    run.errors.push_back(blamed(options, options.step && !is_overloaded(of_file.loads[i])) +
                          load_advice(load));
   }
+}
+
+/// Adds the pointer of the page or the SpaceMouse, as the options demand.
+void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
+  const SceneConfig& scene = session.scene();
+  const auto now = []() noexcept { return MonotonicClock{}.now(); };
+  if (options.view_input && scene.device->unmeasured_tree) {
+    run.joint_pointer = std::make_unique<JointPointer>(scene, now);
+    session.add(*run.joint_pointer);
+  } else if (options.view_input) {
+    run.pointer = std::make_unique<PointerDevice>(scene, now);
+    session.add(*run.pointer);
+  }
+  if (!options.spacemouse) return;
+  run.spacemouse = std::make_unique<SpaceMouse>(scene, now);
+  session.add(*run.spacemouse);
 }
 
 /// Computes passivity at the start of the motion, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
-  const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
-  if (!on_buses || !validate(*scene.device->rig).empty()) return;
+  if (run.buses.choice == BusChoice::direct || !is_rig_valid(scene)) return;
   run.passivity = passivity(scene, joints_at_start(scene, motion));
   for (const std::string& warning : passivity_warnings(run.passivity))
     if (options.strict) run.errors.push_back(options.scene + ": --strict: " + warning);
@@ -289,8 +314,9 @@ PreparedRun prepare(const RunOptions& options) {
   check_outputs(options, run.errors);
   if (!loaded.scene) return run;
 
-  const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
+  RigOfFile of_file{.is_valid = is_rig_valid(scene)};
+  if (has_rig(scene)) of_file.loads = loads_of(scene);
   check_view(options, run.errors);
   check_spacemouse(options, scene, run);
   if (options.view_input) lead_by_pointer(scene);
@@ -319,25 +345,14 @@ PreparedRun prepare(const RunOptions& options) {
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);
-  Session::Made made = make_session(options, scene, *std::move(motion), run);
-  const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
-                              validate(*scene_of_file.device->rig).empty();
-  if (made.session && options.view_input && scene.device->unmeasured_tree) {
-    run.joint_pointer =
-        std::make_unique<JointPointer>(scene, []() noexcept { return MonotonicClock{}.now(); });
-    made.session->add(*run.joint_pointer);
-  } else if (made.session && options.view_input) {
-    run.pointer = std::make_unique<PointerDevice>(scene, []() noexcept { return MonotonicClock{}.now(); });
-    made.session->add(*run.pointer);
-  }
-  if (made.session && options.spacemouse) {
-    run.spacemouse = std::make_unique<SpaceMouse>(scene, []() noexcept { return MonotonicClock{}.now(); });
-    made.session->add(*run.spacemouse);
-  }
+  const bool only_with_step = options.step && has_rig(scene) && !is_rig_valid(scene) && of_file.is_valid;
+  Session::Made made = make_session(options, *std::move(loaded.scene), *std::move(motion), run);
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
-  if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);
-  if (made.session && made.session->rig())
-    check_bus_loads(options, *scene.device->rig, *scene_of_file.device->rig, run);
+  if (made.session) {
+    add_hand(options, *made.session, run);
+    check_start(*made.session, options.scene, run.warnings, run.errors);
+    if (made.session->rig()) check_bus_loads(options, made.session->scene(), of_file, run);
+  }
   if (run.errors.empty()) run.session = std::move(made.session);
   return run;
 }

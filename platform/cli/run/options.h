@@ -17,7 +17,6 @@
 #include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
 #include "platform/session/simulated_devices.h"
-#include "platform/view/joint_pointer.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {

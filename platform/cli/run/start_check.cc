@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "platform/scene/plausible.h"
+#include "platform/scene/checks.h"
 
 namespace godobject {
 namespace {

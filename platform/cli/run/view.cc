@@ -3,8 +3,7 @@
 #include <unistd.h>
 
 #include "platform/cli/fault_texts.h"
-#include "platform/view/server/door.h"
-#include "platform/view/server/page.h"
+#include "platform/view/server/server.h"
 
 namespace godobject {
 namespace {

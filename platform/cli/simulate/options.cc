@@ -6,8 +6,6 @@
 
 #include "hal/rig/profile_validate.h"
 #include "hal/rig/validate.h"
-#include "platform/scene/fault_file.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
@@ -83,14 +81,13 @@ std::optional<SceneConfig> load(const SimulateOptions& options, PreparedSimulati
                          "[[device.tracker]] tables");
     return std::nullopt;
   }
-  if (scene.device->rig) scene.device->rig->cycle_s = scene.step;
   if (!options.faults.empty()) {
     FaultsResult faults = load_faults(options.faults, scene, simulated_faults());
     append(out.errors, faults.errors);
     scene.faults.insert(scene.faults.end(), faults.faults.begin(), faults.faults.end());
   }
   if (scene.device->rig)
-    for (const std::string& error : validate(*scene.device->rig))
+    for (const std::string& error : validate(*scene.device->rig, scene.step))
       out.errors.push_back(options.scene + ": " + error);
   return std::move(loaded.scene);
 }
@@ -120,8 +117,8 @@ PreparedSimulation prepare(const SimulateOptions& options) {
   const bool has_rig = scene->device->rig.has_value();
   RigProfilesResult devices;
   if (has_rig) {
-    devices = load_profiles(*scene->device->rig, std::filesystem::path(options.scene).parent_path().string(),
-                            options.scene);
+    devices = load_profiles(*scene->device->rig, scene->step,
+                            std::filesystem::path(options.scene).parent_path().string(), options.scene);
     apply_profiles(devices.profiles, *scene->device->rig);
   }
   append(out.errors, devices.errors);

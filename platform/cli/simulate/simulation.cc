@@ -32,7 +32,7 @@ Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, con
   if (scene.device->rig) {
     SimRigConfig config = sim_rig_config(scene);
     config.devices = devices;
-    rig_.emplace(config, hand);
+    rig_.emplace(config, scene.step, hand);
   }
   for (const OfferedBus& offered : buses_) {
     SimCanPort& port = offered.is_tap ? rig_->attach(offered.wire) : rig_->host_port(offered.wire);

@@ -18,9 +18,9 @@ struct BusLoadOptions {
   FaultChecks faults{};  // simulation of the program
 };
 
-/// Loads the rig of a scene; none after printing the errors.
-std::optional<RigParams> load_rig(const std::string& path, const FaultChecks& checks) {
-  const LoadResult loaded = load_scene(path, checks);
+/// Loads a scene with a valid rig; none after printing the errors.
+std::optional<SceneConfig> load_rig(const std::string& path, const FaultChecks& checks) {
+  LoadResult loaded = load_scene(path, checks);
   for (const std::string& warning : loaded.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
   for (const std::string& error : loaded.errors) std::fprintf(stderr, "%s\n", error.c_str());
   if (!loaded.scene) return std::nullopt;
@@ -29,16 +29,16 @@ std::optional<RigParams> load_rig(const std::string& path, const FaultChecks& ch
                  path.c_str());
     return std::nullopt;
   }
-  const RigParams& rig = *loaded.scene->device->rig;
-  const std::vector<std::string> errors = validate(rig);
+  const std::vector<std::string> errors = validate(*loaded.scene->device->rig, loaded.scene->step);
   for (const std::string& error : errors) std::fprintf(stderr, "%s: %s\n", path.c_str(), error.c_str());
-  return errors.empty() ? std::optional(rig) : std::nullopt;
+  return errors.empty() ? std::move(loaded.scene) : std::nullopt;
 }
 
 ExitCode show_bus_load(const BusLoadOptions& options) {
-  const std::optional<RigParams> rig = load_rig(options.scene, options.faults);
-  if (!rig) return ExitCode::usage;
-  const std::vector<BusLoad> loads = bus_load(*rig, usual_load(*rig));
+  const std::optional<SceneConfig> scene = load_rig(options.scene, options.faults);
+  if (!scene) return ExitCode::usage;
+  const RigParams& rig = *scene->device->rig;
+  const std::vector<BusLoad> loads = bus_load(rig, scene->step, usual_load(rig));
   if (options.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const BusLoad& load : loads) json.push_back(to_json(load));

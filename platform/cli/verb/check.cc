@@ -10,10 +10,9 @@
 #include "platform/cli/time_to_zero.h"
 #include "platform/cli/verbs.h"
 #include "platform/rig/load_advice.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/contact/spheres_alone.h"
 #include "platform/scene/toml.h"
-#include "platform/scene/top_speed.h"
 
 namespace godobject {
 namespace {
@@ -119,7 +118,7 @@ void print_all(const PreparedRun& prepared) {
   print_top_speed(scene);
   if (scene.device && scene.device->rig) {
     std::puts("");
-    for (const std::string& line : time_to_zero_lines(*scene.device->rig, prepared.profiles))
+    for (const std::string& line : time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles))
       std::puts(line.c_str());
   }
   print_passivity(prepared.passivity);

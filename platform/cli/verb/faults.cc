@@ -5,7 +5,7 @@
 
 #include "platform/cli/fault_texts.h"
 #include "platform/cli/verbs.h"
-#include "platform/scene/text/nearest_name.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

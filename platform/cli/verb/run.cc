@@ -78,8 +78,8 @@ ExitCode run(RunOptions options) {
       (options.view && !options.fast))
     options.realtime = true;
   if (prepared.link) {
-    real.emplace(
-        RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig, prepared.profiles});
+    real.emplace(RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig,
+                            session.scene().step, prepared.profiles});
     const std::vector<std::string> closed = open_buses(real->link, real->where, real->rig);
     print_lines(stderr, "", closed);
     if (!closed.empty()) return ExitCode::not_available;

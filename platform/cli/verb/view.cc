@@ -18,9 +18,8 @@
 #include "platform/scene/toml.h"
 #include "platform/trace/trace.h"
 #include "platform/view/picture/picture.h"
-#include "platform/view/recorded/replay.h"
-#include "platform/view/server/door.h"
-#include "platform/view/server/page.h"
+#include "platform/view/recorded/recording.h"
+#include "platform/view/server/server.h"
 
 namespace godobject {
 namespace {

@@ -5,7 +5,6 @@
 #include <chrono>
 
 #include "platform/rt/stop_signals.h"
-#include "platform/view/server/page.h"
 #include "platform/view/server/parts.h"
 
 namespace godobject {

@@ -1,13 +1,25 @@
-#include "platform/view/recorded/nets.h"
+// Rows of numbers in a file, and the recorded nodes of nets, whose rows are stored within a limit.
+#include "platform/view/recorded/recording.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <fstream>
 
-#include "platform/trace/nets.h"
-#include "platform/view/recorded/number_rows.h"
+#include "platform/trace/trace.h"
 
 namespace godobject {
 namespace {
+
+std::vector<std::string> split_at_commas(std::string_view line) {
+  std::vector<std::string> parts;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    parts.emplace_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    line.remove_prefix(comma + 1);
+  }
+}
 
 /// Limit on stored bytes; beyond it every other row is dropped, repeatedly.
 constexpr std::size_t max_bytes = std::size_t{256} << 20;
@@ -68,6 +80,32 @@ class Rows {
 };
 
 }  // namespace
+
+bool read_numbers(std::string_view line, std::span<double> numbers) {
+  const char *at = line.data(), *const end = at + line.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const auto [next, error] = std::from_chars(at, end, numbers[i]);
+    const bool is_last = i + 1 == numbers.size();
+    if (error != std::errc() || (is_last ? next != end : next == end || *next != ',')) return false;
+    at = next + 1;
+  }
+  return true;
+}
+
+std::string read_rows(const std::string& path,
+                      const std::function<std::string(const std::vector<std::string>& names)>& begin,
+                      const std::function<std::string(const std::string& line)>& add) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  if (!in || !std::getline(in, line)) return path + ": cannot be read, or is empty";
+  if (std::string why_not = begin(split_at_commas(line)); !why_not.empty()) return why_not;
+  for (std::size_t number = 2; std::getline(in, line); ++number) {
+    if (in.eof()) break;  // without a line end: cut off when the run was killed
+    if (const std::string why_not = add(line); !why_not.empty())
+      return path + ":" + std::to_string(number) + ": " + why_not;
+  }
+  return "";
+}
 
 NetRecording::NetRecording(std::vector<double> times, std::vector<float> nodes)
     : times_(std::move(times)), nodes_(std::move(nodes)) {}

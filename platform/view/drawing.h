@@ -1,11 +1,13 @@
-// Drawable solids of a scene: shapes of bodies, contact spheres, and obstacles.
+// Drawable scene: the solids of bodies and obstacles, the nets, and the scene as JSON for the page.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "platform/scene/net/params.h"
 #include "platform/scene/scene.h"
+#include "platform/view/frame.h"
 
 namespace godobject {
 
@@ -42,5 +44,42 @@ Drawing drawing_of(const SceneConfig& scene);
 
 /// Returns the simplest solid of uniform density with this mass and inertia: a sphere, a cylinder or a box.
 Solid solid_of_inertia(double mass, const Mat3& inertia);
+
+// Nets.
+
+/// Returns the positions of the nodes, world, m: those of the sample, or the nodes' anchors if the sample has
+/// none, as with traces.
+std::vector<Vec3> nodes_of(const SceneNets& nets, const ViewSample& sample);
+
+/// Returns the positions of the nodes at the start, world, m.
+std::vector<Vec3> nodes_at_start(const SceneConfig& scene);
+
+/// Returns the triangles of a net, with the net's own node indices.
+std::vector<TriangleIndices> triangles_of(const NetRange& net);
+
+// The scene as JSON: names, shapes, and texts for the bits of faults and limits.
+
+/// Text for a bit of a frame's fault and limit words.
+struct BitText {
+  std::string name, text;  // text: meaning and remedy
+};
+
+struct BusLoadText {
+  std::string name;
+  double percent = 0;  // worst case
+};
+
+/// Data of a view besides its scene.
+struct ViewAbout {
+  std::string title;  // "run sim/scenes/lego.toml", or the file of a recording
+  bool live = true;
+  bool takes_pointer = false;
+  std::string warning{};  // displayed on the page; empty: none
+  std::vector<BitText> faults{}, rig_faults{}, limits{};
+  std::vector<BusLoadText> buses{};
+};
+
+/// Returns the JSON text, with the keys of docs/view.md.
+std::string scene_json(const SceneConfig& scene, const ViewAbout& about);
 
 }  // namespace godobject

@@ -1,4 +1,6 @@
-#include "platform/motion/from_trace.h"
+// Table of a motion: as its file has it, or converted from the trace of a run. A trace gives the devices'
+// samples, not the bodies that followed them.
+#include "platform/motion/motion.h"
 
 #include <algorithm>
 #include <array>
@@ -58,26 +60,30 @@ class Columns {
   const CsvTable& table_;
 };
 
-}  // namespace
-
+/// True for a table with the header of a trace.
 bool is_trace(std::string_view csv) {
   const std::string_view header = csv.substr(0, csv.find_first_of("\r\n"));
   return header.starts_with("t,") &&
          header.find(",energy,energy_balance,fault,limited,rig_fault") != header.npos;
 }
 
+/// Returns the complete lines of a trace; the last line of a killed run has no end.
 std::string_view whole_lines(std::string_view csv) {
   const std::size_t end = csv.rfind('\n');
   return end == csv.npos ? csv : csv.substr(0, end + 1);
 }
 
+/// True for the columns of a trace that a motion can use.
 bool is_of_motion(std::string_view column) {
   constexpr std::array groups{".target.", ".device.", ".hand.", ".engaged", ".clutch"};
   return column == "t" || column == "held" || column.starts_with("device.") ||
          std::ranges::any_of(groups, [&](const char* group) { return column.find(group) != column.npos; });
 }
 
-TraceMotion motion_of_trace(const CsvTable& table, const std::string& file, const SceneConfig& scene) {
+/// Returns the table of a motion of this scene. Uses the rows with the device's joints if there are any, else
+/// the hand's wrenches or the device's poses, else the targets. Adds engaged, clutch and held.
+/// table: table of the trace.
+CsvResult motion_of_trace(const CsvTable& table, const std::string& file, const SceneConfig& scene) {
   const std::vector<std::string> targets = motion_targets(scene);
   const bool by_wrenches = scene.device && scene.device->kind == DeviceKind::admittance;
   Columns columns(table);
@@ -100,11 +106,19 @@ TraceMotion motion_of_trace(const CsvTable& table, const std::string& file, cons
       columns.add(target + ".clutch", target + ".clutch");
   }
   if (grips_bodies(scene))
-    columns.add("held", "hold", [&](double held) {
+    columns.add("held", hold_column, [&](double held) {
       const bool is_body = held >= 0 && held < static_cast<double>(scene.bodies.size());
       return is_body ? scene.bodies[static_cast<std::size_t>(held)].name : std::string("-");
     });
   return {table.selected(columns.columns), {}};
+}
+
+}  // namespace
+
+CsvResult parse_motion_table(std::string_view csv, const std::string& file, const SceneConfig& scene) {
+  if (!is_trace(csv)) return parse_csv(csv, file, hold_column);
+  const CsvResult trace = parse_csv(whole_lines(csv), file, "", is_of_motion);
+  return trace.table ? motion_of_trace(*trace.table, file, scene) : trace;
 }
 
 }  // namespace godobject
