@@ -1,6 +1,7 @@
 // Search for contacts: spheres of bodies near each other, near shapes on other bodies, and near the world.
 //
-// Spheres of other bodies touch a body at its shapes, or at its spheres if it has no shapes. Bodies of one
+// Spheres of other bodies touch a body at its shapes, or at its spheres if it has no shapes. Contact points
+// of two spheres or edges lie midway between them, so that the order of bodies does not matter. Bodies of one
 // tree of joints do not touch each other. Bound: that of the broad phase. For each pair of bodies with
 // overlapping boxes, a query for each sphere in the other's box. For each body and surface of the world, a
 // test of nearness per four spheres, and a query for each near one.
@@ -34,12 +35,14 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
                    .d = crossing.d,
                    .p_W = crossing.p_W,
                    .n_W = crossing.n_W};
-    if (!sweeps) return add_near(w, at, infinity, near);
-    const Vec3 v_a = velocity_at(w, a, at.p_W);
-    const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
-    at.d -= before_end * v_n;
-    at.p_W += before_end * v_a;
-    were_separated |= at.d + w.since() * v_n <= reach;
+    if (sweeps) {
+      const Vec3 v_a = velocity_at(w, a, at.p_W);
+      const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
+      at.d -= before_end * v_n;
+      at.p_W += before_end * v_a;
+      were_separated |= at.d + w.since() * v_n <= reach;
+    }
+    at.p_W += at.d / 2 * at.n_W;  // between the edges, so that the order of the bodies does not matter
     add_near(w, at, infinity, near);
   };
   const auto add_end = [&](bool may_be_sunk) noexcept {
@@ -94,7 +97,7 @@ void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32
            std::numeric_limits<Real>::infinity(), near);
 }
 
-/// Finds the contacts of two bodies, at least one with shapes. were_deep: overlap in the previous step.
+/// Finds the contacts of two bodies, at least one with shapes. were_deep: overlap in the previous stage.
 template <class Contacts, std::size_t N>
 void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                     const DeepPair& were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -141,7 +144,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
                 .a = a,
                 .b = b,
                 .d = both - distance,
-                .p_W = sphere_a.p_W - sphere_a.r * n,
+                .p_W = sphere_a.p_W - (sphere_a.r - (both - distance) / 2) * n,
                 .n_W = n},
                least, near);
     }
@@ -149,7 +152,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
 }
 
 /// Finds the near contacts of all bodies in a stage of length h with the predicted end w.at. before: contact
-/// memory of the previous step.
+/// memory of the previous stage.
 template <class Contacts, std::size_t N>
 void find_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                    std::size_t num_bodies, Real h, ContactFinder<Contacts, N>& w,
@@ -161,26 +164,19 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
   if constexpr (Contacts::between_bodies)
     find_overlaps(num_bodies, w.broad,
                   [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
-  RecallDeepPairs<Contacts> of_step(par, before), of_stage(par, w.of_stage == nullptr ? before : *w.of_stage);
-  const auto were_deep = [&](std::uint64_t pair) noexcept {
-    DeepPair deep = of_step.find(pair);
-    if (const Vec3 pushed_W = of_stage.find(pair).pushed_W; pushed_W.squaredNorm() > 0)
-      deep.pushed_W = pushed_W;
-    return deep;
-  };
+  RecallDeepPairs<Contacts> deep_pairs(par, before);
   const auto num_fixed = static_cast<std::uint32_t>(w.num_fixed);
   for (std::uint32_t a = 0; a < num_bodies; ++a) {
     if constexpr (Contacts::between_bodies)
       w.broad.near[a].each(static_cast<std::uint32_t>(num_bodies), [&](std::uint32_t b) noexcept {
         const std::uint64_t pair = pair_key(a, b);
         if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
-          find_on_bodies(w, a, b, pair, were_deep(pair), near);
+          find_on_bodies(w, a, b, pair, deep_pairs.find(pair), near);
         else find_on_spheres(w, a, b, pair, near);
       });
-    if (num_fixed > 0)
-      find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, nullptr, near);
-    if constexpr (Contacts::between_bodies)
-      find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, near);
+    if (num_fixed == 0) continue;
+    find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, nullptr, near);
+    find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, near);
   }
   near.put_in_order();
 }
