@@ -113,11 +113,11 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape.in_world(), lane(pack.p_W, j), radius + reach);
-        const auto found_faces = [&](const SurfacePoint& first) noexcept {
-          if (!has_faces(shape.kind())) return found(j, radius - first.distance, first.n);
+        const auto found_faces = [&](const SurfacePoint& seen) noexcept {
+          if (!has_faces(shape.kind())) return found(j, radius - seen.distance, seen.n);
           const NearContact contact{
               .key = pair | touch_key(s + j, o), .of = spheres + s + j, .on = o, .a = a, .b = b};
-          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, first, surface, reach, near);
+          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, seen, surface, travel, near);
         };
         if (travel > radius || surface.distance < 0) {
           const SweptContact touch = first_touch(j);
