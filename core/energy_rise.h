@@ -125,7 +125,7 @@ Real energy_of_contacts([[maybe_unused]] const Params<S>& par, [[maybe_unused]] 
     const auto add = [&](const auto& memories) noexcept {
       for (std::size_t i = 0; i < memories.size; ++i) {
         const ContactMemory& contact = memories.list[i];
-        U += k * contact.pressed * contact.pressed + Real(0.5) * k_t * contact.xi_W.vec().squaredNorm();
+        U += k * contact.pressed * contact.pressed + Real(0.5) * k_t * dot(contact.xi_a, contact.xi_a);
       }
     };
     add(x.contacts);

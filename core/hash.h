@@ -70,7 +70,8 @@ class Hash {
     add(std::uint64_t{x.size});
     for (std::size_t i = 0; i < x.size; ++i) {
       const ContactMemory& m = x.list[i];
-      add(m.key, m.xi_W.vec(), m.xi_dot_W.vec(), m.F_W.vec(), m.n_W.vec(), m.e, m.pressed);
+      add(m.key, m.e, m.pressed, m.F_n);
+      for (const Column& v : {m.c_a, m.c_b, m.n_a, m.n_b, m.n_W, m.xi_a, m.xi_b, m.slip_dot_W}) add(v.vec());
     }
   }
   template <class Memory>

@@ -26,7 +26,7 @@ struct ImplicitEuler {
     start_coordinates(par, x, w);
     prescribe_joints(par, 1, w);
     prescribe_forces(par, 1, w);
-    begin_stage<S>({.relaxation_time = par.h}, w);
+    begin_stage<S>({.relaxation_time = par.h}, x, w);
     begin_means(par, x, 0, w);
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
     for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(w.bases[g], w.velocities[g], end.h);

@@ -86,19 +86,19 @@ struct TrBdf2 {
     // (12)
     const StageEnd first = solve_first_stage(begin, par, x, w);
     if (!first.solved || (smooth && (has_penetration_jump(w) || stop_changes(w)))) return StepEnd::unsolved;
-    const Real h_1 = first.h, dh = smooth ? d * h : 0;
+    const Real h_1 = first.h;
 
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const bool alike = have_same_active_contacts(x.contacts, w.contacts.memories[w.contacts.last]);
+      const bool alike = have_same_active_contacts(x.contacts, w.contacts.memories.after());
       if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
       still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
-      still_smooth = still_smooth &&
-                     have_same_active_contacts(x.net.contacts, w.contacts.net.memories[w.contacts.net.last]);
+      still_smooth =
+          still_smooth && have_same_active_contacts(x.net.contacts, w.contacts.net.memories.after());
     }
     const Real h_2 = still_smooth ? d * h : (1 - first_end(begin)) * h;
     if constexpr (has_stages<S>) w.turns.known = still_smooth;
@@ -106,14 +106,10 @@ struct TrBdf2 {
     else follow_bases(par, x, h_1, w);
     prescribe_joints(par, 1, w);
     prescribe_forces(par, 1, w);
-    const Real bh = b * h;
-    begin_stage<S>({.t_0 = still_smooth ? bh : dh,
-                    .t_1 = still_smooth ? bh : h_1,
-                    .relaxation_time = (1 - c) * h,
-                    .continues_step = true,
-                    .is_euler = !still_smooth,
-                    .extrapolated_time = still_smooth ? 2 * (b - d) * h : 0},  // from y_1 to the base
-                   w);
+    begin_stage<S>({.relaxation_time = (1 - c) * h,
+                    .extrapolated = still_smooth ? 2 * (b - d) * h : 0,  // from y_1 to the base
+                    .continues_step = true},
+                   x, w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved || (still_smooth && has_penetration_jump(w))) return StepEnd::unsolved;
     for (std::size_t g = 0; g < num_groups(par); ++g)
@@ -133,8 +129,7 @@ struct TrBdf2 {
     end_nodes(par, x, last.h, w);
     add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const auto& memories = w.contacts.memories;
-      if (ContactsOf<S>::between_bodies && smooth && !have_same_active_contacts(memories[0], memories[1]))
+      if (ContactsOf<S>::between_bodies && smooth && !have_same_active_contacts(w.contacts.memories))
         return StepEnd::unsolved;
     }
     return still_smooth ? StepEnd::second_order : StepEnd::first_order;
@@ -190,7 +185,8 @@ struct TrBdf2 {
     prescribe_joints(par, end, w);
     prescribe_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
-    begin_stage<S>({.t_0 = dh, .relaxation_time = c * h, .extrapolated_time = dh}, w);
+    begin_stage<S>({.relaxation_time = c * h, .extrapolated = dh, .slip_before = smooth ? Real(0.5) : 0}, x,
+                   w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }
@@ -253,12 +249,10 @@ struct TrBdf2 {
     bool acceleration_valid = true;
     if constexpr (uses<typename S::Joints>) acceleration_valid = !w.tree.is_stiff && !stop_changes(w);
     if constexpr (uses<ContactsOf<S>>)
-      acceleration_valid =
-          acceleration_valid && have_same_active_contacts(w.contacts.memories[0], w.contacts.memories[1]);
+      acceleration_valid = acceleration_valid && have_same_active_contacts(w.contacts.memories);
     if constexpr (uses<NetOf<S>>)
       acceleration_valid = acceleration_valid && !w.contacts.net.report.majorised &&
-                           w.contacts.net.is_solved &&
-                           have_same_active_contacts(w.contacts.net.memories[0], w.contacts.net.memories[1]);
+                           w.contacts.net.is_solved && have_same_active_contacts(w.contacts.net.memories);
     return acceleration_valid;
   }
 

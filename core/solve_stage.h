@@ -35,8 +35,6 @@ inline constexpr int stop_is_active = -1;
 template <Solve which, Scene S, class TargetOfGroup>
 void resolve(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
              Scratch<S>& w) noexcept {
-  if constexpr (uses<ContactsOf<S>>) w.contacts.last = 1 - w.contacts.last;
-  if constexpr (uses<NetOf<S>>) w.contacts.net.last = 1 - w.contacts.net.last;
   solve_once<which>(par, x, h, target_of, w);
 }
 
@@ -77,45 +75,21 @@ bool joints_hold_at_start(const Params<S>& par, const State<S>& x) noexcept {
   return hold;
 }
 
-/// Contact memory of a stage that is repeated in substeps.
+/// Begins the contacts of substep k of a stage.
 template <Scene S>
-class SubstepContacts {
- public:
-  explicit SubstepContacts(Scratch<S>& w) noexcept {
-    if constexpr (uses<ContactsOf<S>>) {
-      stage_ = w.contacts.stage;
-      last_ = 1 - w.contacts.last;
-      if constexpr (has_stages<S>) w.iteration.of_stage_before.assign(w.contacts.memories[last_]);
-    }
-    if constexpr (uses<NetOf<S>>) {
-      const auto& net = w.contacts.net;
-      last_of_nets_ = 1 - net.last;
-      if constexpr (has_stages<S>) w.net.of_stage_before.assign(net.memories[last_of_nets_]);
-    }
+void begin_substep([[maybe_unused]] int k, [[maybe_unused]] int substeps, [[maybe_unused]] const auto& stage,
+                   [[maybe_unused]] Scratch<S>& w) noexcept {
+  if constexpr (uses<ContactsOf<S>>) {
+    const auto begin = [k](auto& memories) noexcept {
+      k == 0 ? memories.restart() : memories.next_substep();
+    };
+    w.contacts.stage = stage;
+    if (k > 0) w.contacts.stage = {.found = w.contacts.report.found, .continues_step = true};
+    w.contacts.stage.relaxation_time = stage.relaxation_time / substeps;
+    begin(w.contacts.memories);
+    if constexpr (uses<NetOf<S>>) begin(w.contacts.net.memories);
   }
-  /// Prepares the contacts of substep k.
-  void begin([[maybe_unused]] int k, [[maybe_unused]] int substeps,
-             [[maybe_unused]] Scratch<S>& w) const noexcept {
-    if constexpr (uses<ContactsOf<S>>) {
-      w.contacts.stage =
-          k == 0 ? stage_
-                 : ContactStage{.found = w.contacts.report.found, .continues_step = true, .follows = true};
-      w.contacts.stage.relaxation_time = stage_.relaxation_time / substeps;
-      if (k > 0) return;
-      w.contacts.last = last_;
-      if constexpr (has_stages<S>) w.contacts.memories[last_].assign(w.iteration.of_stage_before);
-    }
-    if constexpr (uses<NetOf<S>>) {
-      auto& net = w.contacts.net;
-      net.last = last_of_nets_;
-      if constexpr (has_stages<S>) net.memories[last_of_nets_].assign(w.net.of_stage_before);
-    }
-  }
-
- private:
-  std::conditional_t<uses<ContactsOf<S>>, ContactStage, None> stage_;
-  std::size_t last_ = 0, last_of_nets_ = 0;
-};
+}
 
 /// Sets the bases of another Euler step or substep to the end of the previous one, of length h_1. Adds its
 /// forces to the means.
@@ -139,7 +113,8 @@ Real solve_substeps(const Params<S>& par, const State<S>& x, Real h, const Targe
   w.iteration.subdivides = true;
   assign(w.means, w.iteration.means);
   keep_node_starts(par, x, w);
-  SubstepContacts<S> contacts(w);
+  std::conditional_t<uses<ContactsOf<S>>, ContactStage, None> stage;
+  if constexpr (uses<ContactsOf<S>>) stage = w.contacts.stage;
   constexpr int limit = uses<NetOf<S>> ? max_substeps_with_nets : max_substeps;
   for (int substeps = substep_ratio;; substeps *= substep_ratio) {
     const Real t = h / substeps;
@@ -147,7 +122,7 @@ Real solve_substeps(const Params<S>& par, const State<S>& x, Real h, const Targe
     bool hold = true;
     for (int k = 0; k < substeps && (hold || is_last); ++k) {
       if (k > 0) follow_bases(par, x, t, w);
-      contacts.begin(k, substeps, w);
+      begin_substep(k, substeps, stage, w);
       if (k == 0) solve_once(par, x, t, target_of, w);
       else solve_once<Solve::first_of_substep>(par, x, t, target_of, w);
       if (joints_hold(par, t, base, w) || w.tree.stop_acts) continue;

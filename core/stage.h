@@ -95,13 +95,13 @@ template <Scene S>
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
   if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);
   if constexpr (uses<NetOf<S>>) {
-    const NetInput<NetOf<S>> net{par.net, x.net.contacts, par.gravity_W, which == Solve::again};
+    const NetInput<NetOf<S>> net{par.net, par.gravity_W, which == Solve::again};
     begin_net(net, w.net.bases, h, contacts);
-    solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts, net);
+    solve_contacts(par.contacts, end_of_numbers(par), h, contacts, net);
     end_contacts(h, contacts);
     end_net(h, contacts);
   } else {
-    solve_contacts(par.contacts, x.contacts, end_of_numbers(par), h, contacts);
+    solve_contacts(par.contacts, end_of_numbers(par), h, contacts);
     end_contacts(h, contacts);
   }
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
@@ -116,13 +116,18 @@ template <Scene S>
       w.nodes.velocities[j] = contacts.x.V[node_number<S>(j)].v.vec();
 }
 
-/// Sets how the stage extrapolates contact drag: t_0 times the rate of the previous step plus t_1 times that
-/// of the previous stage.
+/// Begins the contacts of a stage from their memories at the end of the previous one.
 template <Scene S>
-void begin_stage(const ContactStage& stage, Scratch<S>& w) noexcept {
+void begin_stage(const ContactStage& stage, [[maybe_unused]] const State<S>& x, Scratch<S>& w) noexcept {
   if constexpr (uses<ContactsOf<S>>) {
     w.contacts.stage = stage;
     w.contacts.stage.found = stage.continues_step ? w.contacts.report.found : 0;
+    if (stage.continues_step) w.contacts.memories.next_stage();
+    else w.contacts.memories.start(x.contacts);
+  }
+  if constexpr (uses<NetOf<S>>) {
+    if (stage.continues_step) w.contacts.net.memories.next_stage();
+    else w.contacts.net.memories.start(x.net.contacts);
   }
 }
 

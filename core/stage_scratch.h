@@ -105,8 +105,6 @@ struct Iteration {
                                                                               // joints were linearised
   [[no_unique_address]] typename JointScratchOf<S>::Coordinates coordinates;  // coordinates at the start of
                                                                               // the stage
-  [[no_unique_address]] std::conditional_t<has_stages<S>, typename ContactsOf<S>::State, Absent<21>>
-      of_stage_before;      // contacts
   StepMeans<S> means;       // means at the start of the stage
   bool subdivides = false;  // true if a stage of the step was subdivided
 };
@@ -116,9 +114,6 @@ template <class S>
 struct NetMotions {
   std::array<NodeMotion, NetOf<S>::max_nodes> bases;
   std::array<NodeState<S>, NetOf<S>::max_nodes> next;  // committed if finite
-  [[no_unique_address]] std::conditional_t<has_stages<S> && iterates_joints<S>,
-                                           ContactMemories<NetOf<S>::max_contacts>, Absent<25>>
-      of_stage_before;  // contacts
 };
 
 /// Working storage of a step, undefined between steps.

@@ -110,11 +110,11 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());
   if constexpr (uses<NetOf<S>>) {
     std::copy_n(w.net.next.begin(), num_net_nodes(par), x.net.nodes.begin());
-    x.net.contacts.assign(w.contacts.net.memories[w.contacts.net.last]);
+    x.net.contacts.assign(w.contacts.net.memories.after());
     if constexpr (has_stages<S>) x.net.forces.assign(w.contacts.net.forces);
   }
   if constexpr (has_stages<S>) x.forces.assign(w.contacts.forces);
-  if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories[w.contacts.last]);
+  if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories.after());
   x.tick += 1;
 }
 

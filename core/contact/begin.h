@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/contact/pairs.h"
+#include "core/contact/places.h"
 #include "core/math/flatten.h"
 
 namespace godobject {
@@ -93,61 +94,73 @@ StageLawOf<Pack> laws_of(const NearFour& near, const ContactLaw& common_law, con
   return gathered(each);
 }
 
-/// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one.
-/// penetration_jumps: set if some depth is unexplained (35). Returns the initial energy of the contact
-/// springs (38), J.
+/// Linearises four near contacts at r (24). side: the body whose twist is used, 0 without one. start: the
+/// contacts as found, completed by their depths. penetration_jumps: set if some depth is unexplained (35).
+/// Returns the initial energy of the contact springs (38), J.
 template <std::size_t max_contacts, class PenetrationJumps>
 GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& law, const Pack& side,
                                   const Vector3<Pack>& r, Real h, const ContactStage& stage,
-                                  Recall<max_contacts>& of_step, Recall<max_contacts>& of_stage,
+                                  ContactStartOf<Pack>& start, Recall<max_contacts>& recall,
                                   [[maybe_unused]] PenetrationJumps& penetration_jumps,
                                   InitialMemoryPack& initial, ContactPack& pack) noexcept {
-  const auto past_by = [&](auto& recall) noexcept {
-    return gathered({recall.find_or_empty(near.of[0]->key), recall.find_or_empty(near.of[1]->key),
-                     recall.find_or_empty(near.of[2]->key), recall.find_or_empty(near.of[3]->key)});
-  };
-  const ContactPastOf<Pack> by_step = past_by(of_step);
-  const Pack v_n = near.all(&NearContact::v_n), d_0 = near.all(&NearContact::d) + h * v_n;
-  const Vector3<Pack> n_W = near.all(&NearContact::n_W);
+  const ContactPastOf<Pack> past =
+      gathered({recall.find_or_empty(near.of[0]->key), recall.find_or_empty(near.of[1]->key),
+                recall.find_or_empty(near.of[2]->key), recall.find_or_empty(near.of[3]->key)});
+  const Pack v_n = near.all(&NearContact::v_n);
+  start.d_0 = near.all(&NearContact::d) + h * v_n;
   // approach during the extrapolation to the start of the stage explains depth (35); approach within a stage
   // that was not predicted does not
-  const Pack approach = stage.is_joined() ? Pack(0) : (stage.t_0 + stage.t_1) * max(-v_n, Pack(0));
-  const ContactStartOf<Pack> start{.n_W = n_W, .d_0 = d_0, .approach = approach};
-  const auto begin = [&](const ContactPastOf<Pack>& by_stage) noexcept {
-    if constexpr (std::is_same_v<PenetrationJumps, bool>) {
-      const auto deeper =
-          are_penetration_jumps(stage, by_step, by_stage, start, v_n, law.max_stored_penetration);
-      penetration_jumps =
-          penetration_jumps || (stage.extrapolated_time > 0 && (bits(deeper) & ((1u << near.size) - 1)) != 0);
-    }
-    return recalled(law, stage, by_step, by_stage, start);
-  };
-  const InitialContactOf<Pack> c = stage.continues_step ? begin(past_by(of_stage)) : begin(by_step);
-  initial = {.xi_W = c.xi_W, .e = c.e, .kept = law.kept, .given = law.given, .F_n = c.F_n};
-  set_contacts(law, c, side, n_W, r, d_0, v_n, pack);
-  return c.found;
+  start.approach = stage.extrapolated * max(-v_n, Pack(0));
+  if constexpr (std::is_same_v<PenetrationJumps, bool>) {
+    const auto deeper = are_penetration_jumps(stage, past, start, v_n, law.max_stored_penetration);
+    penetration_jumps =
+        penetration_jumps || (!stage.is_joined() && (bits(deeper) & ((1u << near.size) - 1)) != 0);
+  }
+  initial = {.contact = recalled(law, stage, h, past, start),
+             .v_W = start.v_W,
+             .kept = law.kept,
+             .given = law.given,
+             .v_per_xi = law.v_per_xi};
+  set_contacts(law, initial.contact, side, start.n_W, r, start.d_0, v_n, pack);
+  return initial.contact.found;
 }
 
 /// Stores the contact memory at the end of the stage for the active or deep contacts of a group of four.
+/// at: places of the bodies at the predicted end. c_W: contact points.
 template <std::size_t max_contacts>
-GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, Real h,
+GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, const ContactPlacesOf<Pack>& at,
+                                  const Vector3<Pack>& c_W, const ContactStage& stage, Real h,
                                   const InitialMemoryPack& initial, const ContactPack& pack,
                                   ContactMemories<max_contacts>& next) noexcept {
   const Vector3<Pack> n_W = pack.n * side, F_W = pack.F * side;
-  const Pack depth = pack.d_0 - h * pack.n.dot(pack.v);
+  const Pack v_n = pack.n.dot(pack.v), depth = pack.d_0 - h * v_n;
   const std::uint32_t stay = bits((Pack(0) < n_W.dot(F_W)) | (Pack(0) < depth)) & ((1u << near.size) - 1);
   if (stay == 0) return;
-  const ContactPastOf<Pack> past = carried_over<Pack>(initial, h, n_W, depth, F_W);
-  const auto xi = columns(past.xi_W), xi_dot = columns(past.xi_dot_W), F = columns(F_W), n = columns(n_W);
+  const ContactPastOf<Pack> past = carried_over<Pack>(initial, stage, h,
+                                                      {.at = at,
+                                                       .c_W = c_W,
+                                                       .n_W = n_W,
+                                                       .s_W = (pack.v - pack.n * v_n + pack.v_xi) * side,
+                                                       .F_W = F_W,
+                                                       .d = depth});
+  const auto c_a = columns(past.anchors.c_a), c_b = columns(past.anchors.c_b),
+             n_a = columns(past.anchors.n_a), n_b = columns(past.anchors.n_b),
+             xi_a = columns(past.anchors.xi_a), xi_b = columns(past.anchors.xi_b), n = columns(n_W),
+             slip_dot = columns(past.slip_dot_W);
   for (std::uint32_t left = stay; left != 0; left &= left - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(left));
     next.list[next.size++] = {.key = near.of[j]->key,
                               .e = past.e[j],
                               .pressed = past.pressed[j],
-                              .xi_W = xi[j],
-                              .xi_dot_W = xi_dot[j],
-                              .F_W = F[j],
-                              .n_W = n[j]};
+                              .F_n = past.F_n[j],
+                              .c_a = c_a[j],
+                              .c_b = c_b[j],
+                              .n_a = n_a[j],
+                              .n_b = n_b[j],
+                              .n_W = n[j],
+                              .xi_a = xi_a[j],
+                              .xi_b = xi_b[j],
+                              .slip_dot_W = slip_dot[j]};
   }
 }
 
@@ -168,13 +181,12 @@ void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack
 /// Linearises a group of near contacts (24), four to a pack, from pack `first` on.
 template <class Contacts, std::size_t N>
 std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
-                          std::uint32_t first, Recall<Contacts::max_contacts>& of_step,
-                          Recall<Contacts::max_contacts>& of_stage, Pack& found,
+                          std::uint32_t first, Recall<Contacts::max_contacts>& recall, Pack& found,
                           BodyContactScratch<Contacts, N>& w) noexcept {
   const NearContact& one = w.near.list[group.first];
   const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
-  const Vector3<Pack> p_W = w.finder.at[one.a].p_W.template cast<Pack>();
+  GroupPlaces<Contacts, N> places(one.a, one.b, w.finder);
   const auto law = [&](const ContactLaw& of) noexcept {
     return stage_law<Contacts>(of, m, h, w.stage.relaxation_time, on_world);
   };
@@ -185,25 +197,32 @@ std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup&
   const StageLawOf<Real> law_in_stage = law(common_law);
   for (std::uint32_t i = group.first; i < group.end; i += 4, ++first) {
     const NearFour near(&w.near.list[i], group.end - i);
-    found += begin_four(near, laws_of(near, common_law, law_in_stage, law_of_contact, law), near.sides(one.a),
-                        near.all(&NearContact::p_W) - p_W, h, w.stage, of_step, of_stage, w.penetration_jumps,
-                        w.initial[first], w.packs[first]);
+    const Pack sides = near.sides(one.a);
+    const Vector3<Pack> c_W = near.all(&NearContact::p_W);
+    ContactStartOf<Pack> start{
+        .at = places.of(sides),
+        .n_W = near.all(&NearContact::n_W),
+        .v_W = places.velocity(c_W) * sides,
+        .rho = gathered(lanes_of_four, [&](std::size_t j) { return rolling_radius(par, *near.of[j]); })};
+    found += begin_four(near, laws_of(near, common_law, law_in_stage, law_of_contact, law), sides,
+                        c_W - places.p_W(), h, w.stage, start, recall, w.penetration_jumps, w.initial[first],
+                        w.packs[first]);
   }
   return first;
 }
 
 /// Linearises the near contacts (24).
 template <class Contacts, std::size_t N>
-void begin_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  Recall of_step(before), of_stage(w.memories[w.last]);
+void begin_contacts(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
+                    BodyContactScratch<Contacts, N>& w) noexcept {
+  Recall recall(w.memories.before());
   for (std::size_t i = 0; i < num_bodies; ++i) w.graph.bodies[i].first_pack = w.graph.bodies[i].end_pack = 0;
   std::uint32_t packs = 0;
   Pack found = 0;
   if constexpr (checks_penetration_jumps<Contacts>) w.penetration_jumps = false;
   const auto begin = [&](const NearGroup& group, auto& of) noexcept {
     of.first_pack = packs;
-    of.end_pack = packs = begin_group(par, group, h, packs, of_step, of_stage, found, w);
+    of.end_pack = packs = begin_group(par, group, h, packs, recall, found, w);
   };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
     const NearGroup& group = w.groups[g];

@@ -244,13 +244,10 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
 
 /// Solves for the velocities of all bodies in contact. V_0: predicted velocities. net: NetInput or None.
 template <class Contacts, std::size_t N, class... Net>
-void solve_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
-                    std::size_t num_bodies, Real h, BodyContactScratch<Contacts, N>& w,
-                    const Net&... net) noexcept {
-  // (12), (13)
-  w.finder.of_stage = w.stage.continues_step ? &w.memories[w.last] : nullptr;
-  w.finder.extrapolated = w.stage.t_0 > 0 && !w.stage.is_euler ? w.stage.t_0 + w.stage.t_1 : 0;
-  find_contacts(par, before, num_bodies, h, w.finder, w.near);
+void solve_contacts(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
+                    BodyContactScratch<Contacts, N>& w, const Net&... net) noexcept {
+  w.finder.extrapolated = w.stage.extrapolated;
+  find_contacts(par, w.memories.before(), num_bodies, h, w.finder, w.near);
   (find_net_contacts(par, net, num_bodies, w), ...);
   find_pairs(num_bodies, w);
   const ContactReport stages_before = w.stage.continues_step ? w.report : ContactReport{};
@@ -259,7 +256,7 @@ void solve_contacts(const typename Contacts::Params& par, const typename Contact
     w.is_unbalanced = false;
     w.unbalanced.fill(SpatialVector::zero());
   }
-  begin_contacts(par, before, num_bodies, h, w);
+  begin_contacts(par, num_bodies, h, w);
   (begin_net_contacts(par, net, h, w), ...);
   for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
     const Island& island = w.graph.islands[n];
@@ -305,8 +302,7 @@ template <class Contacts, std::size_t N>
 /// Stores the contact memory and completes the report.
 template <class Contacts, std::size_t N>
 void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
-  w.last = 1 - w.last;
-  ContactMemories<Contacts::max_contacts>& next = w.memories[w.last];
+  ContactMemories<Contacts::max_contacts>& next = w.memories.after();
   next.size = w.forces.size = 0;
   for (Wrench& F : w.wrenches) F = {};
   const auto on = [&](std::uint32_t body, const SpatialVector& F) noexcept {
@@ -327,10 +323,12 @@ void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
         first_pack = pair.first_pack;
       }
     }
+    GroupPlaces<Contacts, N> places(a, w.near.list[group.first].b, w.finder);
     for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
       const NearFour near(&w.near.list[i], group.end - i);
       const Pack sides = near.sides(a);
-      carry_over(near, sides, h, w.initial[first_pack], w.packs[first_pack], next);
+      carry_over(near, sides, places.of(sides), near.all(&NearContact::p_W), w.stage, h,
+                 w.initial[first_pack], w.packs[first_pack], next);
       add_bearing(near, sides, w.packs[first_pack], w.forces);
     }
   }

@@ -136,8 +136,8 @@ struct BodyContactScratch {
   [[no_unique_address]] typename OfNet::CoupledB coupled_b;  // b of bodies and nets
   std::array<BodyStage, N> stages;
   std::array<bool, N> touches;
-  std::array<ContactMemories<max_contacts>, 2> memories;
-  std::size_t last = 0;
+  // with joints, a stage may have substeps
+  StageMemories<max_contacts, Contacts::jointed ? 3 : 2> memories;
   ContactForces<max_contacts> forces;  // contact forces of the stage
   ContactStage stage;
   // true if some extrapolated contact has unexplained penetration (35)

@@ -20,7 +20,7 @@
 
 #include <limits>
 
-#include "core/contact/memory.h"
+#include "core/contact/recall.h"
 #include "core/math/spatial.h"
 
 namespace godobject {

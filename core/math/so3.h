@@ -103,4 +103,12 @@ inline Quat turn_from_z(const Vec3& axis) noexcept {
   return {c / 2, -u.y() * inv_c, u.x() * inv_c, 0};
 }
 
+/// Returns asin(s) / s - 1 by its series. s_sq: s^2, of a turn well below a right angle.
+template <class T>
+T arc_per_sine_beyond_one(const T& s_sq) noexcept {
+  T sum = T(231.0 / 13312);
+  for (const Real next : {63.0 / 2816, 35.0 / 1152, 5.0 / 112, 3.0 / 40, 1.0 / 6}) sum = sum * s_sq + T(next);
+  return sum * s_sq;
+}
+
 }  // namespace godobject

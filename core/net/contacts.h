@@ -8,12 +8,10 @@
 
 namespace godobject {
 
-/// Inputs of a net stage: parameters, contact memory of the previous step, gravity. again: a re-solve (39);
-/// with joints, iterations start from the last solution.
+/// Inputs of a net stage. again: a re-solve (39); with joints, iterations start from the last solution.
 template <class Net>
 struct NetInput {
   const typename Net::Params& par;
-  const ContactMemories<Net::max_contacts>& before;
   Vec3 gravity_W;
   bool again = false;
 };
@@ -45,12 +43,34 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
   }
 }
 
+/// Returns the places of four nodes at p_W, and of the bodies that they touch, at the predicted end of the
+/// stage. Nodes have no attitude: their anchors (51) turn with the bodies.
+template <class Contacts, std::size_t N>
+ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, const Vector3<Pack>& p_W,
+                                      const ContactFinder<Contacts, N>& bodies) noexcept {
+  static const TreePlace at_origin{};
+  const auto at = [&](std::size_t j) -> const TreePlace& {
+    const std::uint32_t b = near.of[j]->b;
+    return b == NetContactTerm::on_world ? at_origin : bodies.at[b];
+  };
+  const Matrix3<Pack> R = gathered(lanes_of_four, [&](std::size_t j) -> const Mat3& { return at(j).R_WB; });
+  return {.R_a = R, .R_b = R, .p_a = p_W, .p_b = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& {
+                                            return at(j).p_W;
+                                          })};
+}
+/// Returns the positions of four nodes in contact.
+template <class Net>
+Vector3<Pack> positions_of_nodes(const typename Net::Params& par, const NearFour& near) noexcept {
+  const Pack radius = gathered(lanes_of_four, [&](std::size_t j) { return par.nodes[near.of[j]->a].radius; });
+  return near.all(&NearContact::p_W) + near.all(&NearContact::n_W) * radius;
+}
+
 /// Linearises the near contacts of nets (24), and lists the pairs of a carrier and a touched body.
 template <class Contacts, std::size_t N>
 void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& net,
                         Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& of = w.net;
-  Recall of_step(net.before), of_stage(of.memories[of.last]);
+  Recall recall(of.memories.before());
   of.num_packs = (of.near.size + 3) / 4;
   of.num_pairs = 0;
   for (const NetContactTerm& one : of.attached())
@@ -60,11 +80,14 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
   for (std::size_t p = 0; p < of.num_packs; ++p) {
     const NearFour near(&of.near.list[4 * p], of.near.size - 4 * p);
     std::array<StageLawOf<Real>, 4> laws{};
-    std::array<Vec3, 4> r;
+    std::array<Vec3, 4> r, v_W;
     for (std::uint32_t j = 0; j < 4; ++j) {
       const NearContact& one = *near.of[j];
       const bool on_world = one.b == NetContactTerm::on_world;
-      r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(one.p_W - w.finder.at[one.b].p_W);
+      // the lever ends at the node: friction at the surface would turn the body and nothing else
+      const Vec3 p_W = one.p_W + net.par.nodes[one.a].radius * one.n_W;
+      r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(p_W - w.finder.at[one.b].p_W);
+      v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
       if (j >= near.size) continue;
       Real m = net.par.nodes[one.a].m;
       if (!on_world) m = std::min(m, w.stages[one.b].M);
@@ -73,9 +96,16 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
+    const ContactPlacesOf<Pack> places =
+        places_of_nodes(near, positions_of_nodes<typename Contacts::Net>(net.par, near), w.finder);
+    ContactStartOf<Pack> start{
+        .at = places,
+        .n_W = near.all(&NearContact::n_W),
+        .v_W = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return v_W[j]; }),
+        .rho = 0};
     found += begin_four(near, gathered(laws), near.live(),
                         gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& { return r[j]; }), h,
-                        w.stage, of_step, of_stage, w.penetration_jumps, of.initial[p], of.packs[p]);
+                        w.stage, start, recall, w.penetration_jumps, of.initial[p], of.packs[p]);
     of.packs[p].u.setConstant(Pack(0));
     of.packs[p].f_slip = 0;
   }
@@ -231,8 +261,7 @@ void to_world_frame(const NetStage<Net, N>& w, Vector& V) noexcept {
 template <class Contacts, std::size_t N>
 void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
-  net.last = 1 - net.last;
-  auto& next = net.memories[net.last];
+  auto& next = net.memories.after();
   next.size = net.forces.size = 0;
   NetReport& report = net.report;
   report.num_near = net.near.size;
@@ -258,7 +287,9 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   }
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
-    carry_over(near, near.live(), h, net.initial[p], net.packs[p], next);
+    const Vector3<Pack> p_W = positions_of_nodes<typename Contacts::Net>(*net.par, near);
+    carry_over(near, near.live(), places_of_nodes(near, p_W, w.finder), p_W, w.stage, h, net.initial[p],
+               net.packs[p], next);
     add_bearing(near, near.live(), net.packs[p], net.forces);
   }
   each_carried(net, [&](const NetRun& run) noexcept {

@@ -30,12 +30,9 @@ void place_nodes(const typename Net::Params& par, NetStage<Net, N>& w) noexcept 
 template <class Contacts, std::size_t N, class Net>
 class NetFinder {
  public:
-  using Memories = ContactMemories<Net::max_contacts>;
-  /// of_stage: contact memory of the previous stage; null in the first stage of a step.
   NetFinder(const typename Contacts::Params& contacts, const typename Net::Params& net,
-            const Memories& of_step, const Memories* of_stage, const ContactFinder<Contacts, N>& bodies,
-            NetStage<Net, N>& w) noexcept
-      : contacts_(contacts), net_(net), of_step_(of_step), of_stage_(of_stage), bodies_(bodies), w_(w) {}
+            const ContactFinder<Contacts, N>& bodies, NetStage<Net, N>& w) noexcept
+      : contacts_(contacts), net_(net), bodies_(bodies), w_(w) {}
 
   /// Finds the contacts in the order of the keys: touched number, then node.
   void find(std::size_t num_bodies) noexcept {
@@ -99,7 +96,7 @@ class NetFinder {
             continue;
           }
           if (shape.kind() == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
-            surface = behind_face_before(key_of(n, o), &of_step_, of_stage_, shape, p_W, surface);
+            surface = behind_face_before(key_of(n, o), w_.memories.before(), shape, p_W, surface);
         }
         if (radius - surface.distance > -reach) add(n, b, o, radius - surface.distance, surface.n);
       }
@@ -155,8 +152,6 @@ class NetFinder {
 
   const typename Contacts::Params& contacts_;
   const typename Net::Params& net_;
-  const Memories& of_step_;
-  const Memories* of_stage_;
   const ContactFinder<Contacts, N>& bodies_;
   NetStage<Net, N>& w_;
   std::array<Real, (Net::max_nodes + 3) / 4> travel_;

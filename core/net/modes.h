@@ -63,7 +63,7 @@ template <class Net, std::size_t N>
 void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
     ContactPack& c = w.packs[p];
-    const Pack F_before = max(w.initial[p].F_n, Pack(0));  // zero for a new contact
+    const Pack F_before = max(w.initial[p].contact.F_n, Pack(0));  // zero for a new contact
     const Vector3<Pack> v = w.begins_at_solution ? c.v : Vector3<Pack>(c.v + start_less_predicted(p, w));
     const Pack v_n = c.n.dot(v);
     const Pack stiffer = 1 + c.eta_n * compliance(p, c.n, c.active * c.eta_n * h, h, w);

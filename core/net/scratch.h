@@ -108,8 +108,7 @@ struct NetStage {
   [[no_unique_address]] NumAttachments num_attachments{};
   std::array<NetPair, max_pairs> pairs;
   std::size_t num_pairs = 0;
-  std::array<ContactMemories<Net::max_contacts>, 2> memories;
-  std::size_t last = 0;
+  StageMemories<Net::max_contacts, 3> memories;
   ContactForces<Net::max_contacts> forces;  // contact forces of the stage
 
   // incomplete factor of the nodes: D without contacts, the contacts' part of D, and the inverse of both

@@ -33,9 +33,7 @@ void begin_net(const NetInput<typename Contacts::Net>& in, const Bases& bases, R
 template <class Contacts, std::size_t N>
 void find_net_contacts(const typename Contacts::Params& par, const NetInput<typename Contacts::Net>& in,
                        std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noexcept {
-  const auto* of_stage = w.stage.continues_step ? &w.net.memories[w.net.last] : nullptr;
-  NetFinder<Contacts, N, typename Contacts::Net>(par, in.par, in.before, of_stage, w.finder, w.net)
-      .find(num_bodies);
+  NetFinder<Contacts, N, typename Contacts::Net>(par, in.par, w.finder, w.net).find(num_bodies);
 }
 
 /// Solves for the velocities of nodes, and of the bodies that carry, touch or are attached to them.

@@ -4,14 +4,10 @@
 
 #include "platform/device/phases.h"
 #include "platform/rig/bring_up.h"
-#include "platform/rig/last_frames.h"
-#include "platform/rig/load_advice.h"
-#include "platform/rig/profiles.h"
+#include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"
-#include "platform/rt/deadline_watch.h"
 #include "platform/rt/setup.h"
-#include "platform/rt/standard_descriptors.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 
 namespace godobject {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hal/rig/link.h"
-#include "platform/rig/filters.h"
+#include "platform/rig/buses.h"
 #include "sim/rig/rig.h"
 #include "tests/socketcan/can_test.h"
 

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <thread>
 
-#include "platform/cli/run/cycle.h"
+#include "platform/cli/run/loop.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "platform/view/live.h"

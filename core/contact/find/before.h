@@ -60,7 +60,7 @@ class RecallDeepPairs {
     for (; at_ < of_.size && of_.list[at_].key >> 32 == pair >> 32; ++at_) {
       const ContactMemory& m = of_.list[at_];
       deep.pressed |= m.pressed > 0 && !is_of_sinking(m.key);
-      deep.pushed_W += (is_of_second(m.key) ? -1 : 1) * dot(m.F_W, m.n_W) * m.n_W.vec();
+      deep.pushed_W += (is_of_second(m.key) ? -1 : 1) * m.F_n * m.n_W.vec();
       if (is_of_edges(m.key)) continue;
       if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
       else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
@@ -74,29 +74,22 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
-/// Returns the memory of a key, of the previous stage of the step or else of the previous step; null if there
-/// is none.
+/// Returns the memory of a key; null if there is none.
 template <std::size_t max_contacts>
-const ContactMemory* memory_of(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
-                               const ContactMemories<max_contacts>* of_stage) noexcept {
-  const ContactMemory* at = nullptr;
-  for (const auto* memories : {of_step, of_stage}) {
-    if (memories == nullptr) continue;
-    const ContactMemory *const first = memories->list.data(), *const end = first + memories->size;
-    const ContactMemory* const one = std::lower_bound(
-        first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
-    if (one != end && one->key == key) at = one;
-  }
-  return at;
+const ContactMemory* memory_of(std::uint64_t key, const ContactMemories<max_contacts>& before) noexcept {
+  const ContactMemory *const first = before.list.data(), *const end = first + before.size;
+  const ContactMemory* const at = std::lower_bound(
+      first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
+  return at == end || at->key != key ? nullptr : at;
 }
 
 /// Returns the face of a box nearest to a point p that is or was inside it. The face that carried the contact
 /// force in the previous step takes precedence.
 template <std::size_t max_contacts>
-SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>* of_step,
-                                const ContactMemories<max_contacts>* of_stage, const PlacedShape& box,
-                                const Vec3& p_W, const SurfacePoint& nearest) noexcept {
-  const ContactMemory* const at = memory_of(key, of_step, of_stage);
+SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>& before,
+                                const PlacedShape& box, const Vec3& p_W,
+                                const SurfacePoint& nearest) noexcept {
+  const ContactMemory* const at = memory_of(key, before);
   if (at == nullptr) return nearest;
   const Vec3 n_S = face_along(box.R_WS(), at->n_W.vec()), n_W = box.R_WS() * n_S;
   return {.distance = n_W.dot(p_W - box.p_W()) - box.half_extents().dot(n_S.cwiseAbs()), .n = n_W};

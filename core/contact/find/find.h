@@ -97,7 +97,7 @@ void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32
            std::numeric_limits<Real>::infinity(), near);
 }
 
-/// Finds the contacts of two bodies, at least one with shapes. were_deep: overlap in the previous step.
+/// Finds the contacts of two bodies, at least one with shapes. were_deep: overlap in the previous stage.
 template <class Contacts, std::size_t N>
 void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                     const DeepPair& were_deep, NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -152,7 +152,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
 }
 
 /// Finds the near contacts of all bodies in a stage of length h with the predicted end w.at. before: contact
-/// memory of the previous step.
+/// memory of the previous stage.
 template <class Contacts, std::size_t N>
 void find_contacts(const typename Contacts::Params& par, const typename Contacts::State& before,
                    std::size_t num_bodies, Real h, ContactFinder<Contacts, N>& w,
@@ -164,20 +164,14 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
   if constexpr (Contacts::between_bodies)
     find_overlaps(num_bodies, w.broad,
                   [&](std::uint32_t a, std::uint32_t b) { return w.owned[a].tree != w.owned[b].tree; });
-  RecallDeepPairs<Contacts> of_step(par, before), of_stage(par, w.of_stage == nullptr ? before : *w.of_stage);
-  const auto were_deep = [&](std::uint64_t pair) noexcept {
-    DeepPair deep = of_step.find(pair);
-    if (const Vec3 pushed_W = of_stage.find(pair).pushed_W; pushed_W.squaredNorm() > 0)
-      deep.pushed_W = pushed_W;
-    return deep;
-  };
+  RecallDeepPairs<Contacts> deep_pairs(par, before);
   const auto num_fixed = static_cast<std::uint32_t>(w.num_fixed);
   for (std::uint32_t a = 0; a < num_bodies; ++a) {
     if constexpr (Contacts::between_bodies)
       w.broad.near[a].each(static_cast<std::uint32_t>(num_bodies), [&](std::uint32_t b) noexcept {
         const std::uint64_t pair = pair_key(a, b);
         if (w.owned[a].has_surfaces() || w.owned[b].has_surfaces())
-          find_on_bodies(w, a, b, pair, were_deep(pair), near);
+          find_on_bodies(w, a, b, pair, deep_pairs.find(pair), near);
         else find_on_spheres(w, a, b, pair, near);
       });
     if (num_fixed == 0) continue;

@@ -53,7 +53,7 @@ void find_on_faces(const ContactFinder<Contacts, N>& w, NearContact contact, con
   const std::uint64_t touch = contact.key;
   MemoryOfFaces before{};
   for (std::size_t slot = 0; slot < max_touched_faces; ++slot)
-    before[slot] = memory_of(face_key(touch, slot), w.before, w.of_stage);
+    before[slot] = memory_of(face_key(touch, slot), *w.before);
   const auto came_by = [&](const Vec3& n_S) noexcept {
     return nearest.distance < 0 &&
            std::any_of(before.begin(), before.end(), [&](const ContactMemory* one) noexcept {

@@ -67,8 +67,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         return swept(shape, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)), pack.r[j]);
       };
       const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
-        return behind_face_before(pair | touch_key(s + j, o), w.before, w.of_stage, shape, lane(pack.p_W, j),
-                                  nearest);
+        return behind_face_before(pair | touch_key(s + j, o), *w.before, shape, lane(pack.p_W, j), nearest);
       };
       Pack d;
       Vector3<Pack> n_W;
@@ -113,11 +112,11 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape.in_world(), lane(pack.p_W, j), radius + reach);
-        const auto found_faces = [&](const SurfacePoint& seen) noexcept {
-          if (!has_faces(shape.kind())) return found(j, radius - seen.distance, seen.n);
+        const auto found_faces = [&](const SurfacePoint& touched) noexcept {
+          if (!has_faces(shape.kind())) return found(j, radius - touched.distance, touched.n);
           const NearContact contact{
               .key = pair | touch_key(s + j, o), .of = spheres + s + j, .on = o, .a = a, .b = b};
-          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, seen, surface, travel, near);
+          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, touched, surface, travel, near);
         };
         if (travel > radius || surface.distance < 0) {
           const SweptContact touch = first_touch(j);

@@ -32,9 +32,8 @@ struct ContactFinder {
   std::array<Owned, N> owned;
   Real h = 0;             // length of the stage, s
   Real extrapolated = 0;  // extrapolation of its base beyond the last solved place, s
-  // contact memory of the previous step, and of the previous stage if it is in this step
-  const ContactMemories<Contacts::max_contacts>*before = nullptr, *of_stage = nullptr;
-  std::size_t num_fixed = 0;      // number of surfaces of the world
+  const ContactMemories<Contacts::max_contacts>* before = nullptr;  // contact memory of the previous stage
+  std::size_t num_fixed = 0;                                        // number of surfaces of the world
   bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
                                   // contacts are searched
   std::array<TreePlace, N> at;

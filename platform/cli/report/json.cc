@@ -2,8 +2,7 @@
 #include <filesystem>
 
 #include "platform/cli/report/report.h"
-#include "platform/cli/report/warnings.h"
-#include "platform/rt/machine.h"
+#include "platform/rt/setup.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/joint/joints.h"
 

@@ -10,10 +10,10 @@
 #include <thread>
 #include <utility>
 
-#include "platform/cli/report/status_line.h"
-#include "platform/rig/last_frames.h"
+#include "platform/cli/report/console.h"
+#include "platform/rig/bring_up.h"
 #include "platform/rt/clock.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {

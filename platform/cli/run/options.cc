@@ -1,21 +1,15 @@
 #include "platform/cli/run/options.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
-#include "platform/cli/run/spacemouse.h"
-#include "platform/cli/run/start_check.h"
+#include "platform/cli/run/devices.h"
 #include "platform/linux/bus/replay.h"
-#include "platform/linux/tracker_thread.h"
-#include "platform/rig/load_advice.h"
-#include "platform/rig/profiles.h"
+#include "platform/linux/device_threads.h"
+#include "platform/rig/bring_up.h"
+#include "platform/rig/buses.h"
 #include "platform/rt/clock.h"
 #include "platform/scene/text/key.h"
 #include "platform/scene/toml.h"
@@ -25,107 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_interface_name = 15;  // limit of candump's format
 constexpr double min_stale_steps = 3;
-
-struct NamedPath {
-  std::string option;
-  std::string path;
-};
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
-}
-
-fs::path folder_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-/// Returns why `path` cannot be written; empty if it can.
-std::string why_not_writable(const std::string& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return "is a directory";
-  fs::path folder = folder_of(path);
-  // make_folders() creates missing folders, but none in the root folder, where a missing one is a
-  // misspelling.
-  fs::path missing;
-  for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
-    missing = folder;
-  if (!missing.empty() && folder == folder.root_path())
-    return "cannot be written: create the missing folder '" + missing.string() + "'";
-  if (!fs::is_directory(folder, ignored))
-    return "cannot be written: '" + folder.string() + "' is not a folder";
-  const bool exists = fs::exists(path, ignored);
-  if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
-  return "cannot be written: " + std::generic_category().message(errno);
-}
-
-/// Checks that every output can be written, and that none overwrites an input or another output.
-void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
-  std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
-  for (const NamedPath& out :
-       {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
-        NamedPath{"--nets", options.files.nets}, NamedPath{"--record", options.files.record},
-        NamedPath{"--report", options.report}}) {
-    if (out.path.empty()) continue;
-    const std::string why_not = why_not_writable(out.path);
-    if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
-    for (const NamedPath& other : taken)
-      if (!other.path.empty() && same_file(out.path, other.path))
-        errors.push_back(out.option + ": '" + out.path + "' is also " + other.option + ": give another name");
-    taken.push_back(out);
-  }
-}
-
-/// Checks the options that depend on --view.
-void check_view(const RunOptions& options, std::vector<std::string>& errors) {
-  if (!options.view) {
-    if (options.view_input) errors.push_back("--view-input: requires --view: add it");
-    return;
-  }
-  if (!options.view_input) return;
-  if (options.fast) errors.push_back("--view-input: requires wall time: remove --fast");
-  if (!options.motion.empty())
-    errors.push_back("--view-input: the page's pointer replaces --motion: remove either");
-  if (!options.trackers.empty() ||
-      std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
-    errors.push_back(
-        "--view-input: the page's pointer replaces the device and its motors: remove --bus and --tracker");
-}
-
-bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
-
-void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
-                  std::vector<std::string>& errors) {
-  if (options.files.record.empty()) return;
-  if (options.view_input) {
-    errors.push_back("--record: with --view-input there is no bus to record: remove either");
-  } else if (!has_rig(scene)) {
-    errors.push_back("--record: scene '" + scene.name +
-                     "' describes no buses to record: remove --record, or add [[bus]] tables");
-  } else if (choice == BusChoice::direct) {
-    errors.push_back("--record: with --bus direct there is no bus to record: remove either");
-  } else {
-    for (const BusParams& bus : scene.device->rig->buses)
-      if (bus.name.size() > max_interface_name)
-        errors.push_back("--record: bus name '" + bus.name +
-                         "' is too long for a candump log: shorten it to at most " +
-                         std::to_string(max_interface_name) + " characters");
-  }
-}
-
-void check_contacts(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
-  if (!options.files.contacts.empty() && contact_scope(scene) == ContactScope::none)
-    errors.push_back("--contacts: nothing in scene '" + scene.name +
-                     "' can touch: give its bodies spheres, and obstacles or shapes to touch");
-}
-
-void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
-  if (!options.files.nets.empty() && scene.nets.empty())
-    errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
-}
 
 void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   if (!options.integrator.empty()) scene.integrator = options.integrator;
@@ -144,28 +38,6 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
   append(run.errors, result.errors);
   append(run.warnings, result.notes);
   return std::move(result.motion);
-}
-
-void check_real_buses(const RunOptions& options, PreparedRun& run) {
-  if (run.buses.choice != BusChoice::real) {
-    if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
-      run.errors.push_back("--rearm: with --bus direct there is no device to arm: remove --rearm");
-    return;
-  }
-  if (run.buses.real.are_logs()) {
-    if (!options.trackers.empty())
-      run.errors.push_back(
-          "--tracker: a log runs in its own time, a real tracker in wall time: remove --tracker, or use a "
-          "bus other than replay:");
-    return;
-  }
-  if (options.fast)
-    run.errors.push_back(
-        "--fast: real buses and trackers run in wall time, not on a simulated clock: remove --fast");
-  if (!options.motion.empty())
-    run.notes.push_back(
-        "--motion: real buses and trackers measure the handles; this run reads only the switches of the "
-        "file");
 }
 
 std::string folder_of_scene(const RunOptions& options) {
@@ -295,17 +167,6 @@ void check_passivity(const RunOptions& options, const SceneConfig& scene, const 
 
 }  // namespace
 
-std::string make_folders(const RunOptions& options) {
-  for (const std::string& path : {options.files.trace, options.files.contacts, options.files.nets,
-                                  options.files.record, options.report}) {
-    std::error_code error;
-    if (path.empty() || fs::exists(folder_of(path), error)) continue;
-    if (!fs::create_directories(folder_of(path), error) && error)
-      return "'" + folder_of(path).string() + "' cannot be created: " + error.message();
-  }
-  return "";
-}
-
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
   LoadResult loaded = load_scene(options.scene, options.simulated.faults);
@@ -325,9 +186,7 @@ PreparedRun prepare(const RunOptions& options) {
   else run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
-  check_record(options, run.buses.choice, scene, run.errors);
-  check_contacts(options, scene, run.errors);
-  check_nets(options, scene, run.errors);
+  check_recorded(options, run.buses.choice, scene, run.errors);
   apply_overrides(options, scene);
   if (has_rig(scene)) run.profiles = checked_profiles(scene, options.scene, run.errors);
   std::optional<Motion> motion = load_motion(options, scene, run);

@@ -7,16 +7,16 @@
 #include <memory>
 #include <new>
 
-#include "platform/cli/option_checks.h"
+#include "platform/cli/command_line.h"
+#include "platform/cli/program.h"
 #include "platform/cli/report/report.h"
+#include "platform/cli/run/devices.h"
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
-#include "platform/cli/run/spacemouse.h"
-#include "platform/cli/run/view.h"
-#include "platform/cli/verbs.h"
+#include "platform/cli/verb/view.h"
 #include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "platform/linux/bus/board.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/linux/bus/pty.h"
 #include "platform/linux/bus/replay.h"
 #include "platform/linux/bus/slcan.h"
 #include "platform/linux/bus/socket_can.h"

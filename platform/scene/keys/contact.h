@@ -111,7 +111,9 @@ void visit_obstacle(V& v, ObstacleConfig& o) {
              "and y; mesh: solid inside"},
          shape_kind_names, o.shape.kind);
   visit_pose(v, "position", "orientation_wxyz", "its frame in the world", o.shape.X);
-  visit_dimensions(v, o.shape);
+  if constexpr (requires { v.keys_of("", "", ""); })
+    v.keys_of("[[body.shape]]", "half_extents", "half_length");
+  else visit_dimensions(v, o.shape);
   visit_obstacle_file(v, o);
   visit_material(v, o.shape.material);
 }

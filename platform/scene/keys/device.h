@@ -73,8 +73,8 @@ void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning,
 }
 
 template <class V>
-void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_meaning,
-                       const RigNames& names, const std::string& joint, Calibration& c) {
+void visit_scale(V& v, std::string_view sign_key, std::string_view counts_meaning, const RigNames& names,
+                 const std::string& joint, Calibration& c) {
   v.either(Key{"counts_per_unit", "1/rad or 1/m", counts_meaning, positive, true},
            Key{"counts_per_turn", "", "of a hinge", positive}, 1 / (2 * std::numbers::pi), std::nullopt,
            c.counts_per_unit);
@@ -83,14 +83,14 @@ void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
           "has no meaning on a slider: give counts_per_unit in 1/m");
   visit_sign(v, Key{sign_key, "", "1 or -1: direction of rising counts", {-1, 1}}, c.sign);
+}
+
+template <class V>
+void visit_zero(V& v, Calibration& c, double& max_speed) {
   v.value(Key{"offset_counts", "", "count at `home`", {-9007199254740992.0, 9007199254740992.0}},
           c.offset_counts);
   v.value(Key{"home", "rad or m", "coordinate at `offset_counts`, e.g. in a jig"}, c.home);
   v.value(Key{"modulus_counts", "", "counts wrap here; 0: never", {0, 4294967296.0}}, c.modulus_counts);
-}
-
-template <class V>
-void visit_max_speed(V& v, double& max_speed) {
   v.value(Key{"max_speed", "rad/s or m/s", "largest plausible speed; faster samples are rejected", positive},
           max_speed);
 }
@@ -98,8 +98,8 @@ void visit_max_speed(V& v, double& max_speed) {
 template <class V>
 void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
   visit_sensor_node(v, names, "CANopen node-ID", e.joint, e.bus, e.node_id, e.profile, e.profile_line);
-  visit_calibration(v, "sign", "counts per unit of the joint's coordinate", names, e.joint, e.calibration);
-  visit_max_speed(v, e.max_speed);
+  visit_scale(v, "sign", "counts per unit of the joint's coordinate", names, e.joint, e.calibration);
+  visit_zero(v, e.calibration, e.max_speed);
 }
 
 template <class V>
@@ -139,10 +139,12 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
           d.status_every_nth_sync);
   v.check(protocol.canopen || d.status_every_nth_sync == 1, "status_every_nth_sync",
           "must be 1 with this protocol: the drive answers every request");
-  visit_calibration(v, "counts_sign",
-                    "counts per unit of the joint's coordinate; ODrive, moteus: 100000 per turn of the motor",
-                    names, d.joint, d.calibration);
-  visit_max_speed(v, d.max_speed);
+  visit_scale(v, "counts_sign",
+              "counts per unit of the joint's coordinate; ODrive, moteus: 100000 per turn of the motor",
+              names, d.joint, d.calibration);
+  if constexpr (requires { v.keys_of("", "", ""); })
+    v.keys_of("[[device.encoder]]", "offset_counts", "max_speed");
+  else visit_zero(v, d.calibration, d.max_speed);
   visit_watchdog(v, d);
   v.value(Key{"max_slip", "rad or m",
               "largest difference of drive and encoder once enabled, plus the travel in `stale_after`; "

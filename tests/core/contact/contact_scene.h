@@ -60,7 +60,7 @@ Real contact_energy(const Params<S>& par, const State<S>& x) {
     const Pose& X = x.bodies[sphere.body].x.X_WB;
     const Real depth = sphere.radius - nearest(surface.shape, X.p + X.q * sphere.p_B, sphere.radius).distance;
     const Real compressed = std::max(depth - m.e, Real(0));
-    E += Real(0.5) * (law.k * compressed * compressed + law.k_t * m.xi_W.vec().squaredNorm());
+    E += Real(0.5) * (law.k * compressed * compressed + law.k_t * dot(m.xi_a, m.xi_a));
   }
   return E;
 }

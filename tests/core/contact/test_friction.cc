@@ -193,15 +193,18 @@ TYPED_TEST(Friction, OfNothingHoldsNothing) {
   }
 }
 
-/// After substeps in a stage of implicit Euler, the rate is that of the last substep alone.
+/// A stage that starts at the end of another has its stretch as it is, whatever the rate of slip.
 TEST(Friction, AStageAfterAnEulerStageGoesOnWithItsDrag) {
   const Vec3 n_W = Vec3::UnitZ(), none = Vec3::Zero(), xi_W(4e-4, 2e-4, 0);
-  const ContactPastOf<Real> of_step{
-      .xi_W = Vec3(1e-4, 0, 0), .xi_dot_W = none, .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0},
-      of_stage{.xi_W = xi_W, .xi_dot_W = Vec3(1, 1, 0), .F_W = n_W, .n_W = n_W, .e = 0, .pressed = 0};
-  const ContactStage stage{.t_1 = 1e-4, .continues_step = true, .is_euler = true};
-  EXPECT_EQ(recalled<Real>({.k = 1000}, stage, of_step, of_stage, {.n_W = n_W, .d_0 = 0, .approach = 0}).xi_W,
-            xi_W);
+  const ContactPlacesOf<Real> at;
+  const ContactPastOf<Real> past{.anchors = anchored<Real>(at, none, n_W, xi_W, none),
+                                 .n_W = n_W,
+                                 .slip_dot_W = Vec3(1, 1, 0),
+                                 .e = 0,
+                                 .pressed = 0,
+                                 .F_n = 1};
+  const ContactStartOf<Real> start{.at = at, .n_W = n_W, .v_W = none, .rho = 0, .d_0 = 0, .approach = 0};
+  EXPECT_EQ(recalled<Real>({.k = 1000}, {.continues_step = true}, 1e-4, past, start).xi_W, xi_W);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ TYPED_TEST(ContactList, IsReplayed) {
   State<S> other = run->x;
   other.contacts.size = 1;
   const std::uint64_t before = state_hash(run->par, other);
-  other.contacts.list[0].xi_W += Column(Vec3(1e-12, 0, 0));
+  other.contacts.list[0].xi_b += Column(Vec3(1e-12, 0, 0));
   EXPECT_NE(state_hash(run->par, other), before);  // the hash sees contacts
 }
 

@@ -50,9 +50,9 @@ int count_long_steps() {
     newton_iterations += run->out.net.newton_iterations;
     if (run->out.net.newton_iterations >= 4) ++long_steps;
     constexpr Real missed = 2e-3;  // N
-    for (std::size_t i = 0; i < run->x.net.contacts.size; ++i) {
-      const ContactMemory& one = run->x.net.contacts.list[i];
-      const Vec3 n_W = one.n_W.vec(), F_W = one.F_W.vec();
+    const auto& forces = run->w.contacts.net.forces;
+    for (std::size_t i = 0; i < forces.size; ++i) {
+      const Vec3 &n_W = forces.list[i].n_W, &F_W = forces.list[i].F_W;
       const Real F_n = n_W.dot(F_W), F_t = (F_W - F_n * n_W).norm();
       EXPECT_LE(F_t, mu * F_n + missed) << "step " << n;
     }

@@ -56,22 +56,20 @@ void write_nets(std::ostream& out, const NetResults& nets) {
   out << "The small net, 25 nodes, deformed by " << number(1e3 * nets.deformation_free, 2)
       << " mm in the mean free and " << number(1e3 * nets.deformation_pressed, 2)
       << " mm pressed:\n\n![error of nets against run time](figures/net-error.png)\n\n"
-      << "| net | integrator | step, ms | error, m | of the deformation | us/step |\n"
-         "|---|---|---|---|---|---|\n";
+      << "| net | integrator | step, ms | error, m | us/step |\n"
+         "|---|---|---|---|---|\n";
   for (const NetErrorRow& r : nets.errors) {
     if (!in_report(r.h)) continue;
     out << "| " << r.scene << " | " << r.integrator << " | " << number(1e3 * r.h) << " | "
-        << number(r.position) << " | " << number(100 * r.share, 2) << " % | " << number(1e-3 * r.ns_per_step)
-        << " |\n";
+        << number(r.position) << " | " << number(1e-3 * r.ns_per_step) << " |\n";
   }
   out << "\nAll steps: `net-error.csv`.\n\nWhat a node costs, S6: a tube pressed on a bar, more nodes of the "
          "same stuff:\n\n"
-         "| nodes | integrator | us/step | 99 % | ns/node | iterations | contacts | instr./step |\n"
-         "|---|---|---|---|---|---|---|---|\n";
+         "| nodes | integrator | us/step | 99 % | iterations | contacts | instr./step |\n"
+         "|---|---|---|---|---|---|---|\n";
   for (const NetCostRow& r : nets.costs)
     out << "| " << r.nodes << " | " << r.integrator << " | " << number(1e-3 * r.ns_per_step) << " | "
-        << number(1e-3 * r.ns_p99) << " | " << number(r.ns_per_step / static_cast<double>(r.nodes)) << " | "
-        << number(r.iterations, 2) << " | " << number(r.contacts) << " | "
+        << number(1e-3 * r.ns_p99) << " | " << number(r.iterations, 2) << " | " << number(r.contacts) << " | "
         << (r.instructions ? whole(r.instructions) : "-") << " |\n";
   out << "\nThe composition holds 1024 nodes; its bytes are in `net-cost.csv`.\n\n";
 }

@@ -19,18 +19,16 @@ void write_question(std::ostream& out, const StudyOptions& options) {
       << (options.quick ? "**A quick run: small grids, short scenes.** " : "")
       << "Every number below comes from that run.\n\n"
       << "## What was asked\n\n"
-      << "Error against run time of each integrator, for tools, contacts and nets; stability in stiff and "
-         "extreme "
-         "cases; what a part costs.\n\n";
+      << "Error against run time of each integrator; stability in stiff and extreme cases; what a part "
+         "costs.\n\n";
 }
 
 constexpr const char* error_method = R"(## How
 
-**Error.** The reference is `tests/oracle`: extrapolation of order 12 in extended precision, without code of the core.
-Errors are the largest over all multiples of 4 ms, of the worst body: distance of the centres of mass, angle between the
-attitudes. On S1 and S3 they count from 0.5 s on. The device's sample is the exact target at the end of each step. Time
-is the median over stretches of up to 1000 steps of the smallest composition. Instructions are those of S1 (articulated
-tools: S3, or S5 with eight links).
+**Error.** The reference is the [oracle](oracle.md). Errors are the largest over all multiples of 4 ms, of the worst
+body: distance of the centres of mass, angle between the attitudes. On S1 and S3 they count from 0.5 s on. The device's
+sample is the exact target at the end of each step. Time is the median over stretches of up to 1000 steps of the smallest
+composition. Instructions are those of S1 (articulated tools: S3, or S5 with eight links).
 
 Drawn at random, 0.252 s each, against tr-bdf2 at 1/64 ms: released, a rod of 10 to 40 cm and 20 g to 1 kg, up to 10 cm
 and 2.5 rad from its target; led, the same with a target that swings at up to 2 Hz; chain, S5 of 2 to 5 links, the last
@@ -81,8 +79,7 @@ The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, and p
 lego: energy is that of the bricks that are never held; one that leaves the board or is faster than 1 m/s is ejected. The
 residual is the deviation of the worst force from its law or balance.
 
-Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s. A scene without contacts has no code and no byte of
-theirs (tests `SceneWithoutContacts.HasNotAByteForThem`, `contacts.no_scene_pays_for_contacts_it_has_not`).
+Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
 
 )";
 static_assert(ejected_speed == 1, "quoted above");

@@ -140,20 +140,18 @@ std::size_t count(const std::vector<StabilityResult>& results, const std::string
       [&](const StabilityResult& r) { return r.scheme == scheme && r.stability == stability; }));
 }
 
-/// Writes the number of cells in which a scheme gains energy, and the largest gain.
+/// Writes the largest gain of energy of a scheme, if any.
 void write_gains(std::ostream& out, const std::vector<StabilityResult>& results, const std::string& scheme) {
-  const std::size_t gaining = count(results, scheme, Stability::energy_gaining);
   double rise = 0, max_damping = 0;
   for (const StabilityResult& r : results) {
     if (r.scheme != scheme || r.stability != Stability::energy_gaining) continue;
     rise = std::max(rise, r.rise);
     max_damping = std::max(max_damping, r.cell.damping);
   }
-  if (gaining == 0) out << "- " << scheme << " gains energy in no cell.\n";
-  else
-    out << "- " << scheme << " gains energy in " << gaining << " cells, all with a damping ratio of "
-        << number(max_damping) << (max_damping > 0 ? " or less" : "") << ": at most " << number(rise, 2)
-        << " of the first energy.\n";
+  if (rise > 0)
+    out << "- " << scheme << " gains at most " << number(rise, 2)
+        << " of the first energy, with a damping ratio of " << number(max_damping)
+        << (max_damping > 0 ? " or less" : "") << ".\n";
 }
 
 }  // namespace
