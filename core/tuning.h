@@ -124,8 +124,9 @@ inline constexpr std::size_t blocks_per_body = 8;
 inline constexpr std::size_t net_pairs_per_body = 4;
 
 /// Faces of a mesh or height field that a sphere touches at a time; further ones are reported as contacts
-/// without room. A pit of four faces with a sphere in its corner needs four. Three bits of a contact's key.
-inline constexpr std::size_t max_touched_faces = 8;
+/// without room. A pit of four faces needs four; a sphere on spikes smaller than itself more than eight. Four
+/// bits of a contact's key. tests/core/contact/test_nearest_points.cc.
+inline constexpr std::size_t max_touched_faces = 16;
 
 /// Materials of a scene, with a law per pair: tissues, parts of an instrument, the table. 64 laws take 3 kB.
 inline constexpr std::size_t max_materials = 8;

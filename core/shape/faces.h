@@ -19,14 +19,14 @@ constexpr bool has_faces(ShapeKind kind) noexcept {
   return kind == ShapeKind::mesh || kind == ShapeKind::height_field;
 }
 
-/// Face that a sphere touches, in the shape's frame.
+/// Face that a sphere touches, in the shape's frame. Not initialised, because each sphere has a list of many.
 struct TouchedFace {
-  SurfacePoint at;
-  Vec3 q = Vec3::Zero();  // contact point on the surface
-  Corners corners{};      // undefined for the nearest face
+  Real distance;    // of the sphere's centre, m
+  Vec3 n, q;        // normal, and contact point on the surface
+  Corners corners;  // undefined for the nearest face
 
   static bool is_nearer(const TouchedFace& a, const TouchedFace& b) noexcept {
-    return a.at.distance < b.at.distance;
+    return a.distance < b.distance;
   }
 };
 
@@ -44,11 +44,11 @@ struct TouchedFaces {
     constexpr Real none = std::numeric_limits<Real>::infinity();
     const auto end = list.begin() + static_cast<std::ptrdiff_t>(size);
     const auto place = std::lower_bound(list.begin(), end, face, TouchedFace::is_nearer);
-    for (auto same = place; same != end && same->at.distance == face.at.distance; ++same)
-      if (same->q == face.q && same->at.n == face.at.n) return none;
-    if (size == n && place == end) return face.at.distance;
+    for (auto same = place; same != end && same->distance == face.distance; ++same)
+      if (same->q == face.q && same->n == face.n) return none;
+    if (size == n && place == end) return face.distance;
     const bool has_room = size < n;
-    const Real lost = has_room ? none : list[n - 1].at.distance;
+    const Real lost = has_room ? none : list[n - 1].distance;
     std::move_backward(place, has_room ? end : end - 1, has_room ? end + 1 : end);
     *place = face;
     size += has_room ? 1 : 0;
@@ -83,18 +83,20 @@ inline bool is_other_normal(const Vec3& a, const Vec3& b) noexcept {
 }
 /// True if a triangle rises above the tangent plane of a contact.
 inline bool rises_above(const Corners& t, const TouchedFace& contact) noexcept {
+  constexpr Real least_rise_sq = least_face_turn * least_face_turn * least_face_turn * least_face_turn;
   const auto rises = [&](const Vec3& x) noexcept {
     const Vec3 from = x - contact.q;
-    return contact.at.n.dot(from) > least_face_turn * least_face_turn * from.norm();
+    const Real up = contact.n.dot(from);
+    return up > 0 && up * up > least_rise_sq * from.squaredNorm();
   };
   return rises(t[0]) || rises(t[1]) || rises(t[2]);
 }
 /// True if a face is a contact beside a nearer one: it has another normal and rises above the nearer one's
 /// tangent plane. Its contact point is not below that plane.
 inline bool is_beside(const TouchedFace& face, const TouchedFace& nearer) noexcept {
-  const Vec3& n = nearer.at.n;
+  const Vec3& n = nearer.n;
   const Vec3 apart = face.q - nearer.q;
-  return is_other_normal(n, face.at.n) && n.dot(apart) >= -least_face_turn * apart.norm() &&
+  return is_other_normal(n, face.n) && n.dot(apart) >= -least_face_turn * apart.norm() &&
          rises_above(face.corners, nearer);
 }
 
@@ -105,9 +107,12 @@ inline bool is_beside(const TouchedFace& face, const TouchedFace& nearer) noexce
 template <class Shape, class CameBy>
 void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const SurfacePoint& first_seen,
                 const Vec3& nearest, Real reach, CameBy came_by, TouchedFaces& faces) noexcept {
-  std::array<TouchedFace, 8 * max_touched_faces> others;  // some of which are part of nearer ones
+  std::array<TouchedFace, 4 * max_touched_faces> others;  // some of which are part of nearer ones
   std::size_t num_others = 0;
-  const TouchedFace first{.at = first_seen, .q = p - first_seen.distance * first_seen.n};
+  const TouchedFace first{.distance = first_seen.distance,
+                          .n = first_seen.n,
+                          .q = p - first_seen.distance * first_seen.n,
+                          .corners = {}};
   bool is_edge = false;
   const Real rounding = touching_triangle * p.cwiseAbs().maxCoeff();
   Shape::each_triangle(par, p, reach, [&](const Corners& t, const Vec3& n, auto neighbour_normal) noexcept {
@@ -119,15 +124,14 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
       if (!(at.distance_sq < reach * reach) || !is_touched_itself(t, n, at, p, neighbour_normal)) return;
       const Real distance = std::sqrt(at.distance_sq);
       const bool in_face = at.feature == TriangleFeature::face || is_touching(t, p, distance);
-      const TouchedFace face{.at = {.distance = distance, .n = in_face ? n : Vec3((p - at.p) / distance)},
-                             .q = at.p,
-                             .corners = t};
+      const TouchedFace face{
+          .distance = distance, .n = in_face ? n : Vec3((p - at.p) / distance), .q = at.p, .corners = t};
       if (!is_beside(face, first)) return;
       faces.is_full |= TouchedFaces::insert(face, others, num_others) < radius;
     } else if ((at.p - nearest).norm() <= rounding - touching_triangle * height) {
       // p is behind a face that meets the nearest point
-      is_edge = is_edge || (is_other_normal(n, first.at.n) && came_by(n));
-      const TouchedFace face{.at = {.distance = height, .n = n}, .q = at.p, .corners = t};
+      is_edge = is_edge || (is_other_normal(n, first.n) && came_by(n));
+      const TouchedFace face{.distance = height, .n = n, .q = at.p, .corners = t};
       faces.is_full |= TouchedFaces::insert(face, others, num_others) < radius;
     }
   });
@@ -135,13 +139,13 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
   faces.has_nearest = !is_edge;
   if (faces.has_nearest) faces.list[faces.size++] = first;
   for (std::size_t i = 0; i < num_others; ++i) {
-    if (!is_edge && others[i].at.distance <= 0) continue;
+    if (!is_edge && others[i].distance <= 0) continue;
     const auto beside = [&](const TouchedFace& nearer) noexcept { return is_beside(others[i], nearer); };
     if (!std::all_of(faces.list.begin(), faces.list.begin() + static_cast<std::ptrdiff_t>(faces.size),
                      beside))
       continue;
     if (faces.size == max_touched_faces) {
-      faces.is_full |= others[i].at.distance < radius;
+      faces.is_full |= others[i].distance < radius;
       break;
     }
     faces.list[faces.size++] = others[i];

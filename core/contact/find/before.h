@@ -17,7 +17,7 @@ inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noex
 /// Returns the key of one of the contacts of a sphere with an obstacle that it touches at several faces.
 /// slot: below max_touched_faces.
 inline std::uint64_t face_key(std::uint64_t touch, std::size_t slot) noexcept {
-  static_assert(max_touched_faces <= 8);  // three bits above the numbers of surfaces
+  static_assert(max_touched_faces <= 16);  // four bits above the numbers of surfaces
   return touch | std::uint64_t(slot) << 26;
 }
 inline std::uint32_t sphere_of(std::uint64_t key) noexcept {

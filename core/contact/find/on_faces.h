@@ -25,7 +25,7 @@ inline std::array<std::size_t, max_touched_faces> slots_of(const MemoryOfFaces& 
   std::array<bool, max_touched_faces> is_taken{};
   std::array<std::size_t, max_touched_faces> slots{};
   for (std::size_t i = 0; i < faces.size; ++i) {
-    const Vec3 n_W = R_WS * faces.list[i].at.n;
+    const Vec3 n_W = R_WS * faces.list[i].n;
     // a slot without memory, the last one first, precedes slots whose contact was another
     Real best = -2;
     for (std::size_t slot = max_touched_faces; slot-- > 0;) {
@@ -42,11 +42,11 @@ inline std::array<std::size_t, max_touched_faces> slots_of(const MemoryOfFaces& 
 
 /// Finds the contacts of a sphere of radius r about p_W with the faces of an obstacle. contact: its key
 /// without a slot, elements and bodies. nearest: the nearest point of the surface. first: that point, or that
-/// of a swept sphere's first touch.
+/// of a swept sphere's first touch. travel: bound of the motion in the stage, m.
 template <class Contacts, std::size_t N>
 void find_on_faces(const ContactFinder<Contacts, N>& w, NearContact contact, const PlacedShape& shape,
                    const Vec3& p_W, Real r, const SurfacePoint& first, const SurfacePoint& nearest,
-                   Real reach, NearContacts<Contacts::max_contacts>& near) noexcept {
+                   Real travel, NearContacts<Contacts::max_contacts>& near) noexcept {
   const Mat3& R_WS = shape.R_WS();
   const SurfacePoint first_S{.distance = first.distance, .n = R_WS.transpose() * first.n};
   const Vec3 p_S = R_WS.transpose() * (p_W - shape.p_W());
@@ -61,15 +61,16 @@ void find_on_faces(const ContactFinder<Contacts, N>& w, NearContact contact, con
            });
   };
   const Vec3 nearest_S = R_WS.transpose() * (p_W - nearest.distance * nearest.n - shape.p_W());
+  const Real reach = (1 + sweep_tolerance) * r + travel;
   TouchedFaces faces;
   if (shape.kind() == ShapeKind::mesh)
-    find_faces<MeshShape>(shape.in_world(), p_S, r, first_S, nearest_S, r + reach, came_by, faces);
-  else find_faces<HeightFieldShape>(shape.in_world(), p_S, r, first_S, nearest_S, r + reach, came_by, faces);
+    find_faces<MeshShape>(shape.in_world(), p_S, r, first_S, nearest_S, reach, came_by, faces);
+  else find_faces<HeightFieldShape>(shape.in_world(), p_S, r, first_S, nearest_S, reach, came_by, faces);
   const auto slots = slots_of(before, R_WS, faces);
   for (std::size_t i = 0; i < faces.size; ++i) {
     contact.key = face_key(touch, slots[i]);
-    contact.n_W = i == 0 && faces.has_nearest ? first.n : Vec3(R_WS * faces.list[i].at.n);
-    contact.d = r - faces.list[i].at.distance;
+    contact.n_W = i == 0 && faces.has_nearest ? first.n : Vec3(R_WS * faces.list[i].n);
+    contact.d = r - faces.list[i].distance;
     contact.p_W = p_W - r * contact.n_W;
     add_near(w, contact, contact_reach * r, near);
   }

@@ -116,7 +116,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
           if (!has_faces(shape.kind())) return found(j, radius - touched.distance, touched.n);
           const NearContact contact{
               .key = pair | touch_key(s + j, o), .of = spheres + s + j, .on = o, .a = a, .b = b};
-          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, touched, surface, reach, near);
+          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, touched, surface, travel, near);
         };
         if (travel > radius || surface.distance < 0) {
           const SweptContact touch = first_touch(j);
