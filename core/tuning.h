@@ -228,7 +228,7 @@ inline constexpr Real max_gap_with_grip = 0.1;
 inline constexpr Real recovery_per_gap = 30;
 
 // Energy balance (38). tests/platform/session/test_energy_gained.cc, test_attack_scenes.cc,
-// tests/core/contact/test_energy_of_contacts.cc; docs/decisions/039, 053.
+// tests/core/contact/test_energy_of_contacts.cc; docs/decisions/039.
 
 /// Allowed gain within the window, as a share of the energy at work. Smaller gains are errors of second
 /// order.

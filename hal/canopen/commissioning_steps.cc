@@ -61,9 +61,9 @@ void append_pdos(const NodeProfile& profile, const NodeSetup& setup, std::vector
   }
 }
 
-void append_interpolation(const NodeProfile& profile, const NodeSetup& setup, std::vector<SdoStep>& steps) {
+void append_interpolation(const NodeProfile& profile, double cycle_s, std::vector<SdoStep>& steps) {
   if (!profile.interpolation_time || !profile.interpolation_time->value) return;
-  const InterpolationTime time = interpolation_time(setup.cycle_s).value_or(InterpolationTime{});
+  const InterpolationTime time = interpolation_time(cycle_s).value_or(InterpolationTime{});
   const unsigned line = profile.interpolation_time->line;
   steps.push_back(write({0x60C2, 1}, ObjectType::u8, time.value, line));
   steps.push_back(write({0x60C2, 2}, ObjectType::i8, time.exponent, line));
@@ -103,13 +103,13 @@ void append_mode(const NodeProfile& profile, std::vector<SdoStep>& steps) {
 
 }  // namespace
 
-std::vector<SdoStep> commissioning_steps(const NodeProfile& profile, const NodeSetup& setup) {
+std::vector<SdoStep> commissioning_steps(const NodeProfile& profile, double cycle_s, const NodeSetup& setup) {
   std::vector<SdoStep> steps;
   append_identity(profile, steps);
   append_heartbeats(profile, setup, steps);
   append(profile.before_map, steps);
   append_pdos(profile, setup, steps);
-  append_interpolation(profile, setup, steps);
+  append_interpolation(profile, cycle_s, steps);
   append_torque_check(profile, setup, steps);
   append(profile.after_map, steps);
   append_mode(profile, steps);

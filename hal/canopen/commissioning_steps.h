@@ -13,13 +13,13 @@ namespace godobject {
 struct NodeSetup {
   std::uint8_t node_id = 1;
   std::uint8_t host_node_id = 127;
-  double cycle_s = 1e-3;                    // SYNC period, s, written to 60C2h
   std::optional<double> torque_rated_Nm{};  // rated torque of a drive, N m, compared with 6076h
   std::uint8_t status_every_nth_sync = 1;   // transmission type of a TPDO with PdoProfile::of_scene
 };
 
 /// Returns the steps in boot order: identity, heartbeats, options, PDOs, 60C2h, 6076h, other writes, mode.
-std::vector<SdoStep> commissioning_steps(const NodeProfile& profile, const NodeSetup& setup);
+/// cycle_s: SYNC period, s, written to 60C2h.
+std::vector<SdoStep> commissioning_steps(const NodeProfile& profile, double cycle_s, const NodeSetup& setup);
 
 /// Cycle in the format of 60C2h: value * 10^exponent s.
 struct InterpolationTime {

@@ -1,5 +1,5 @@
 // Content of a device profile file: the set-up of a CANopen node before it runs in a rig.
-// platform/scene/profile.h reads it; Commissioning converts it to SDO transfers.
+// platform/scene/toml.h reads it; Commissioning converts it to SDO transfers.
 #pragma once
 
 #include <optional>

@@ -100,12 +100,15 @@ constexpr std::uint16_t next_controlword(DriveState state, std::uint16_t last_co
   return disable_voltage;
 }
 
-/// Returns round(1000 tau / tau_rated), clamped to +-1000 tau_max / tau_rated and +-32767. Returns 0 for NaN
-/// or limits that are not positive.
+/// Largest torque of 6071h, in per mille of the rated torque 6076h: 16 bits, symmetric.
+inline constexpr double max_torque_per_mille = 32767;
+
+/// Returns round(1000 tau / tau_rated), clamped to +-1000 tau_max / tau_rated and +-max_torque_per_mille.
+/// Returns 0 for NaN or limits that are not positive.
 inline std::int16_t torque_to_per_mille(double torque_Nm, double torque_rated_Nm,
                                         double torque_max_Nm) noexcept {
   if (!(torque_rated_Nm > 0) || !(torque_max_Nm > 0)) return 0;
-  const double max_per_mille = std::min(1000 * torque_max_Nm / torque_rated_Nm, 32767.0);
+  const double max_per_mille = std::min(1000 * torque_max_Nm / torque_rated_Nm, max_torque_per_mille);
   const auto limit = static_cast<std::int16_t>(max_per_mille);
   const auto low = static_cast<std::int16_t>(-limit);
   return saturate_to<std::int16_t>(1000 * torque_Nm / torque_rated_Nm, low, limit);

@@ -18,7 +18,9 @@ namespace godobject {
 /// fault_reset_hold_ns, because drives may read the controlword rarely.
 class Cia402Link final : public DriveLink {
  public:
+  /// params: constant and outliving the link.
   Cia402Link(const DriveParams& params, double /*cycle_s*/) noexcept : params_(params) {}
+  Cia402Link(const DriveParams&&, double) = delete;  // a temporary would not outlive it
 
   DriveMessage decode(const CanFrame& frame, DriveTelemetry& out) noexcept override;
   std::optional<CanFrame> request(const DriveOrder&) const noexcept override { return {}; }
@@ -31,7 +33,7 @@ class Cia402Link final : public DriveLink {
   MotorState motor_state() const noexcept;
   bool is_held_back(std::int16_t actual_per_mille) const noexcept;
 
-  DriveParams params_;
+  const DriveParams& params_;
   cia402::DriveState state_ = cia402::DriveState::unknown;
   std::uint16_t statusword_ = 0;
   bool follows_ = false;                     // follows the command, or limits after it has followed

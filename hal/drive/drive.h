@@ -28,8 +28,9 @@ struct DriveCommand {
 
 class Drive {
  public:
-  /// Allocates; no other function does.
+  /// params: constant and outliving the drive. Allocates; no other function does.
   Drive(const DriveParams& params, double cycle_s, Nanoseconds stale_after_ns);
+  Drive(const DriveParams&&, double, Nanoseconds) = delete;  // a temporary would not outlive it
 
   /// Processes a frame of its node. t_ns: sampling time of its position, if any, ns. answered: the request of
   /// this answer was answered before; the state is used, the position is no second measurement.
@@ -59,7 +60,7 @@ class Drive {
   double commanded_torque_Nm() const noexcept { return torque_Nm_; }
 
  private:
-  DriveParams params_;
+  const DriveParams& params_;
   double max_change_Nm_;  // per cycle
   Nanoseconds silent_after_ns_;
   std::unique_ptr<DriveLink> link_;

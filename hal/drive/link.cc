@@ -1,6 +1,7 @@
 #include "hal/drive/link.h"
 
 #include <array>
+#include <limits>
 
 #include "hal/drive/cia402_link.h"
 #include "hal/drive/moteus.h"
@@ -22,7 +23,8 @@ std::unique_ptr<DriveLink> make(const DriveParams& params, double cycle_s) {
 // In the order of DriveProtocol.
 constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
     {make<Cia402Link>,
-     {.sender = canopen::sender,
+     {.max_torque_per_rated = cia402::max_torque_per_mille / 1000,
+      .sender = canopen::sender,
       .commanded = canopen::commanded,
       .filters = canopen::filters,
       .command_id = canopen::command_id,
@@ -58,6 +60,11 @@ constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept {
   return protocols[static_cast<std::size_t>(protocol)].bus;
+}
+
+double max_encodable_torque_Nm(const DriveParams& drive) noexcept {
+  const std::optional<double> per_rated = bus_protocol(drive.protocol).max_torque_per_rated;
+  return per_rated ? *per_rated * drive.torque_rated_Nm : std::numeric_limits<double>::infinity();
 }
 
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s) {

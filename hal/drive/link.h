@@ -110,6 +110,8 @@ struct BusProtocol {
   bool fd = false;           // requires a data_bit_rate
   bool answers_only = true;  // positions are sent as answers only; false: their delay is not measured
   std::uint8_t max_node_id = canopen::max_node_id;
+  // largest torque that a command can encode, per rated torque; none: any
+  std::optional<double> max_torque_per_rated{};
   /// Returns the sending node, 1..127; 0: no node of this protocol.
   std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;
   /// Returns the drive that a host's command addresses; 0 if the frame is no such command.
@@ -133,7 +135,10 @@ struct BusProtocol {
 
 BusProtocol bus_protocol(DriveProtocol protocol) noexcept;
 
-/// Allocates: set-up only.
+/// Returns the largest torque_max_Nm that the commands of this drive can encode, N m; infinity if any.
+double max_encodable_torque_Nm(const DriveParams& drive) noexcept;
+
+/// Makes the link of a drive. params: constant and outliving the link. Allocates: set-up only.
 std::unique_ptr<DriveLink> make_drive_link(const DriveParams& params, double cycle_s);
 
 }  // namespace godobject

@@ -68,7 +68,7 @@ class AnswerDelay {
   bool is_measured() const noexcept { return is_measured_; }
   /// True if the delay is in doubt and a mark now would be seen. The latter holds if the last due answer
   /// came.
-  bool wants_mark(std::uint64_t last_sync) const noexcept {
+  bool needs_mark(std::uint64_t last_sync) const noexcept {
     return in_doubt_ && distance_ != 0 && last_sync - last_read_ < every_nth_;
   }
   /// Time of the first mark that has shown a delay beyond reach, ns.

@@ -15,9 +15,9 @@ namespace {
 /// Collects the messages of one bus.
 class Messages {
  public:
-  Messages(const BusParams& bus, const RigParams& rig, const BusLoadParams& params)
+  Messages(const BusParams& bus, double cycle_s, const BusLoadParams& params)
       : rates_{.nominal = bus.bit_rate, .data = bus.data_bit_rate > 0 ? bus.data_bit_rate : bus.bit_rate},
-        cycle_s_(rig.cycle_s),
+        cycle_s_(cycle_s),
         params_(params) {}
 
   void add_host() {
@@ -95,10 +95,10 @@ bool first_of_its_node(const RigParams& rig, const ButtonParams& button) {
 
 }  // namespace
 
-std::vector<BusLoad> bus_load(const RigParams& rig, const BusLoadParams& params) {
+std::vector<BusLoad> bus_load(const RigParams& rig, double cycle_s, const BusLoadParams& params) {
   std::vector<BusLoad> loads;
   for (std::size_t bus = 0; bus < rig.buses.size(); ++bus) {
-    Messages messages(rig.buses[bus], rig, params);
+    Messages messages(rig.buses[bus], cycle_s, params);
     if (bus_protocol(protocol_of_bus(rig, bus)).canopen) messages.add_host();
     for (const EncoderParams& encoder : rig.encoders)
       if (encoder.bus == bus) messages.add_encoder(encoder);

@@ -43,7 +43,7 @@ struct BusLoad {
 
 /// Returns one entry per bus of the rig, in order. NMT, SDO, EMCY and the frames that enable a drive are
 /// sporadic and not counted, nor is retransmission after errors. Bit rates, periods and bus indices must be
-/// valid. Set-up only: allocates.
-std::vector<BusLoad> bus_load(const RigParams& rig, const BusLoadParams& params);
+/// valid. cycle_s: SYNC period, s. Set-up only: allocates.
+std::vector<BusLoad> bus_load(const RigParams& rig, double cycle_s, const BusLoadParams& params);
 
 }  // namespace godobject

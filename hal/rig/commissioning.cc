@@ -19,12 +19,13 @@ enum class NodeFailure : std::uint8_t { none, reset_not_sent, no_boot_up, reboot
 /// Commissioning of one node.
 class NodeCommissioning {
  public:
-  NodeCommissioning(std::string name, std::size_t bus, NodeProfile profile, const NodeSetup& setup)
+  NodeCommissioning(std::string name, std::size_t bus, double cycle_s, NodeProfile profile,
+                    const NodeSetup& setup)
       : name_(std::move(name)),
         bus_(bus),
         node_id_(setup.node_id),
         profile_(std::move(profile)),
-        sequence_(setup.node_id, commissioning_steps(profile_, setup), to_ns(profile_.sdo_timeout_s),
+        sequence_(setup.node_id, commissioning_steps(profile_, cycle_s, setup), to_ns(profile_.sdo_timeout_s),
                   to_ns(profile_.mode_timeout_s)) {}
 
   std::size_t bus() const noexcept { return bus_; }
@@ -132,7 +133,7 @@ class NodeCommissioning {
   Nanoseconds deadline_ns_ = 0;
 };
 
-Commissioning::Commissioning(const RigParams& params, const RigProfiles& profiles,
+Commissioning::Commissioning(const RigParams& params, double cycle_s, const RigProfiles& profiles,
                              std::span<CanBus* const> buses)
     : buses_(buses.begin(), buses.end()) {
   const auto add = [&](const char* kind, const auto& device, const std::optional<NodeProfile>& profile,
@@ -140,10 +141,10 @@ Commissioning::Commissioning(const RigParams& params, const RigProfiles& profile
     if (!profile) return;
     setup.node_id = device.node_id;
     setup.host_node_id = params.host_node_id;
-    setup.cycle_s = params.cycle_s;
     std::string name = std::string(kind) + " of joint '" + device.joint + "' (" +
                        params.buses[device.bus].name + " node " + std::to_string(device.node_id) + ")";
-    nodes_.push_back(std::make_unique<NodeCommissioning>(std::move(name), device.bus, *profile, setup));
+    nodes_.push_back(
+        std::make_unique<NodeCommissioning>(std::move(name), device.bus, cycle_s, *profile, setup));
   };
   for (std::size_t i = 0; i < profiles.encoders.size(); ++i)
     add("encoder", params.encoders[i], profiles.encoders[i], {});

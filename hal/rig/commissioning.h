@@ -22,9 +22,10 @@ class NodeCommissioning;
 
 class Commissioning {
  public:
-  /// buses: one per params.buses, open, outliving this; all their frames are read until done(). Allocates;
-  /// poll() does not.
-  Commissioning(const RigParams& params, const RigProfiles& profiles, std::span<CanBus* const> buses);
+  /// cycle_s: SYNC period of the rig, s. buses: one per params.buses, open, outliving this; all their frames
+  /// are read until done(). Allocates; poll() does not.
+  Commissioning(const RigParams& params, double cycle_s, const RigProfiles& profiles,
+                std::span<CanBus* const> buses);
   ~Commissioning();
   Commissioning(const Commissioning&) = delete;
   Commissioning& operator=(const Commissioning&) = delete;

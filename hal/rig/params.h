@@ -37,7 +37,6 @@ struct RigParams {
   std::vector<EncoderParams> encoders;
   std::vector<DriveParams> drives;
   std::vector<ButtonParams> buttons{};
-  double cycle_s = 1e-3;        // SYNC period
   double stale_after_s = 3e-3;  // age above which a sample is not valid: the pose is held
   // duration without a valid sample that is a fault, at least stale_after_s
   double lost_after_s = 0.1;

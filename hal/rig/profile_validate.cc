@@ -38,14 +38,14 @@ const Kind& drive_kind() {
 
 class Validation {
  public:
-  explicit Validation(const RigParams& rig) : rig_(rig) {}
+  Validation(const RigParams& rig, double cycle_s) : rig_(rig), cycle_s_(cycle_s) {}
 
   void check(const NodeProfile& profile, const Kind& kind, const std::string& joint) {
     if (!is_of_kind(profile, kind, joint)) return;
     check_heartbeats(profile);
     check_deadlines(profile);
     check_mode(profile);
-    if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(rig_.cycle_s))
+    if (profile.interpolation_time && profile.interpolation_time->value && !interpolation_time(cycle_s_))
       error(
           profile, profile.interpolation_time->line,
           "60C2h cannot represent the scene's step: set a step of 1 to 255 times a power of ten, from 1 us");
@@ -86,7 +86,7 @@ class Validation {
   void check_deadlines(const NodeProfile& profile) {
     for (const PdoProfile& pdo : profile.pdos)
       if (pdo.direction == PdoDirection::receive && pdo.timer_ms && pdo.timer_ms->value > 0 &&
-          1e-3 * pdo.timer_ms->value < 2 * rig_.cycle_s)
+          1e-3 * pdo.timer_ms->value < 2 * cycle_s_)
         error(profile, pdo.timer_ms->line,
               "the node would stop between two commands of the host: set at least twice the scene's step");
   }
@@ -124,6 +124,7 @@ class Validation {
   }
 
   const RigParams& rig_;
+  double cycle_s_;
   std::vector<std::string> errors_;
 };
 
@@ -143,8 +144,8 @@ void apply_profiles(const RigProfiles& profiles, RigParams& rig) noexcept {
   }
 }
 
-std::vector<std::string> validate(const RigParams& rig, const RigProfiles& profiles) {
-  Validation validation(rig);
+std::vector<std::string> validate(const RigParams& rig, double cycle_s, const RigProfiles& profiles) {
+  Validation validation(rig, cycle_s);
   for (std::size_t i = 0; i < profiles.encoders.size(); ++i)
     if (profiles.encoders[i]) validation.check(*profiles.encoders[i], encoder_kind(), rig.encoders[i].joint);
   for (std::size_t i = 0; i < profiles.drives.size(); ++i)

@@ -19,44 +19,46 @@ std::uint64_t periods_of(double time_s, double cycle_s) noexcept {
 }
 
 /// Returns the greatest delay of a node's answers that is measured: a longer one is stale in any case.
-AnswerDelay delay_within(const RigParams& params, std::uint64_t every_nth) noexcept {
-  return {every_nth, periods_of(params.stale_after_s, params.cycle_s) + every_nth - 1};
+AnswerDelay delay_within(const RigParams& params, double cycle_s, std::uint64_t every_nth) noexcept {
+  return {every_nth, periods_of(params.stale_after_s, cycle_s) + every_nth - 1};
 }
 
 /// Returns the longest measurement of a delay on a bus, periods.
-std::uint64_t longest_measurement(const RigParams& params, std::size_t bus) noexcept {
-  std::uint64_t longest = delay_within(params, 1).longest();
+std::uint64_t longest_measurement(const RigParams& params, double cycle_s, std::size_t bus) noexcept {
+  std::uint64_t longest = delay_within(params, cycle_s, 1).longest();
   for (const DriveParams& drive : params.drives)
     if (drive.bus == bus)
-      longest = std::max(longest, delay_within(params, drive.status_every_nth_sync).longest());
+      longest = std::max(longest, delay_within(params, cycle_s, drive.status_every_nth_sync).longest());
   return longest;
 }
 
 }  // namespace
 
-Rig::Rig(const RigParams& params, std::span<CanBus* const> buses) : params_(params), tree_(params.tree) {
-  assert(validate(params).empty() && buses.size() == params.buses.size());
+Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses)
+    : params_(params), tree_(params.tree) {
+  assert(validate(params, cycle_s).empty() && buses.size() == params.buses.size());
   for (std::size_t i = 0; i < buses.size(); ++i) {
+    const std::uint64_t longest = longest_measurement(params, cycle_s, i);
     buses_.push_back({.bus = buses[i],
                       .protocol = bus_protocol(protocol_of_bus(params, i)),
-                      .syncs = SyncAttribution(params.buses[i], longest_measurement(params, i) + 1),
-                      .longest_measurement = longest_measurement(params, i),
-                      .mark_distance = std::max(AnswerDelay::min_distance, longest_measurement(params, i))});
+                      .syncs = SyncAttribution(params.buses[i], longest + 1),
+                      .longest_measurement = longest,
+                      .mark_distance = std::max(AnswerDelay::min_distance, longest)});
   }
   const Nanoseconds stale_after_ns = to_ns(params.stale_after_s);
   for (const EncoderParams& encoder : params.encoders) {
     const std::size_t node = add_node(encoder.bus, encoder.node_id, NodeKind::encoder, encoders_.size());
     encoders_.push_back({.encoder = Encoder(encoder.calibration, encoder.max_speed, stale_after_ns),
                          .node = node,
-                         .delay = delay_within(params, 1)});
+                         .delay = delay_within(params, cycle_s, 1)});
   }
   for (const DriveParams& drive : params.drives) {
     const std::size_t node = add_node(drive.bus, drive.node_id, NodeKind::drive, drives_.size());
-    drives_.push_back({.drive = Drive(drive, params.cycle_s, stale_after_ns),
+    drives_.push_back({.drive = Drive(drive, cycle_s, stale_after_ns),
                        .node = node,
                        .joint = joint_named(drive.joint),
                        .every_nth_sync = drive.status_every_nth_sync,
-                       .delay = delay_within(params, drive.status_every_nth_sync),
+                       .delay = delay_within(params, cycle_s, drive.status_every_nth_sync),
                        .max_slip = allowed_slip(params, drive)});
   }
   add_buttons();
@@ -146,82 +148,6 @@ void Rig::stop() noexcept {
     send(node.bus, canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node.id));
   }
   state_ = RigState::off;
-}
-
-void Rig::sync(Nanoseconds now) noexcept {
-  if (state_ == RigState::off) return;
-  now_ns_ = now;
-  const bool last_was_complete = complete() || std::ranges::any_of(buses_, &Bus::marked);
-  bool queued = false;
-  for (std::size_t i = 0; i < buses_.size(); ++i) queued = queue_sync(i, now) || queued;
-  if (queued) ++counters_.syncs;
-  if (queued && running() && !last_was_complete) ++counters_.incomplete_syncs;
-  const bool due = now >= heartbeat_due_ns_;
-  if (due) heartbeat_due_ns_ = now + to_ns(params_.heartbeat_period_s);
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    if (!buses_[i].protocol.canopen || (!due && !buses_[i].marked)) continue;
-    send(i, canopen::make_heartbeat(params_.host_node_id, canopen::NmtState::operational));
-  }
-}
-
-// Queues SYNC or the requests. Returns true if the cycle has begun on this bus. A cycle without SYNC or
-// request is a mark in the answers.
-bool Rig::queue_sync(std::size_t bus, Nanoseconds now) noexcept {
-  Bus& on = buses_[bus];
-  on.marked = wants_mark(bus);
-  if (!on.marked) return ask(bus, now);
-  on.syncs.sync_left_out(now);
-  on.last_mark = on.syncs.num_syncs();
-  for_each_delay(bus, [&](AnswerDelay& delay) { delay.left_out(on.last_mark, now); });
-  return false;
-}
-
-// True if a delay on this bus is in doubt and the last mark is long enough ago. That is after it was seen in
-// the answers of all nodes, or after the longest measurement. Distances grow, because with equal ones a delay
-// longer than a distance would look like a short one each time.
-bool Rig::wants_mark(std::size_t bus) noexcept {
-  const Bus& on = buses_[bus];
-  const std::uint64_t last_sync = on.syncs.num_syncs();
-  if (!on.bus->is_live() || !on.protocol.answers_only) return false;
-  bool wanted = false, is_pending = false;
-  std::uint64_t num_inconclusive = 0;
-  for_each_delay(bus, [&](const AnswerDelay& delay) {
-    wanted = wanted || delay.wants_mark(last_sync);
-    is_pending = is_pending || delay.is_pending();
-    num_inconclusive = std::max(num_inconclusive, delay.num_inconclusive());
-  });
-  const std::uint64_t more = num_inconclusive > 1 ? (num_inconclusive - 1) * on.longest_measurement : 0;
-  const std::uint64_t distance = is_pending ? on.mark_distance : AnswerDelay::min_distance;
-  return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= distance + more);
-}
-
-template <class Function>
-void Rig::for_each_delay(std::size_t bus, Function&& function) noexcept {
-  for (EncoderOnBus& encoder : encoders_)
-    if (nodes_[encoder.node].bus == bus) function(encoder.delay);
-  for (DriveOnBus& drive : drives_)
-    if (nodes_[drive.node].bus == bus) function(drive.delay);
-}
-
-// Queues SYNC, or the requests. Returns true if any was queued.
-bool Rig::ask(std::size_t bus, Nanoseconds now) noexcept {
-  if (buses_[bus].protocol.canopen) {
-    const bool queued = send(bus, canopen::make_sync());
-    if (queued) buses_[bus].syncs.sync_queued(now);
-    return queued;
-  }
-  bool queued = false;
-  for (DriveOnBus& drive : drives_) {
-    if (nodes_[drive.node].bus != bus) continue;
-    const std::optional<CanFrame> request = drive.drive.request();
-    if (!request) continue;
-    drive.request_refused = !send(bus, *request);
-    if (drive.request_refused) continue;
-    drive.drive.request_sent();
-    if (!queued) buses_[bus].syncs.sync_queued(now, *request);
-    queued = true;
-  }
-  return queued;
 }
 
 bool Rig::complete() const noexcept {

@@ -79,11 +79,12 @@ class Rig {
   /// Cycles at zero torque in which every drive must report that it follows its command, before ready.
   static constexpr int settle_cycles = 10;
 
-  /// params: validate(params) must be empty. buses: one per params.buses, open, outliving the rig. Allocates,
-  /// as fault_text() and place_text() do; no other function does.
-  Rig(const RigParams& params, std::span<CanBus* const> buses);
+  /// params: constant and outliving the rig; validate(params, cycle_s) must be empty. cycle_s: period of
+  /// sync(), s. buses: one per params.buses, open, outliving the rig. Allocates, as fault_text() and
+  /// place_text() do; no other function does.
+  Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses);
+  Rig(const RigParams&&, double, std::span<CanBus* const>) = delete;  // a temporary would not outlive it
   Rig(Rig&&) noexcept = default;
-  Rig& operator=(Rig&&) noexcept = default;
 
   /// off -> booting: sends NMT start to all nodes.
   void start(Nanoseconds now) noexcept;
@@ -200,11 +201,6 @@ class Rig {
   void add_buttons();
   Eigen::Index joint_named(const std::string& name) const;
 
-  bool queue_sync(std::size_t bus, Nanoseconds now) noexcept;
-  bool ask(std::size_t bus, Nanoseconds now) noexcept;
-  bool wants_mark(std::size_t bus) noexcept;
-  template <class Function>
-  void for_each_delay(std::size_t bus, Function&& function) noexcept;
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
   void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept {
@@ -216,6 +212,13 @@ class Rig {
   const RigNode* node_at(const RigFaultPlace& place) const noexcept;
   NodeEvidence evidence_of(const RigNode& node) const noexcept;
   std::string evidence_text(const RigFaultRecord& record) const;
+
+  // request.cc
+  bool begin_cycle(std::size_t bus, Nanoseconds now) noexcept;
+  bool request_answers(std::size_t bus, Nanoseconds now) noexcept;
+  bool is_mark_due(std::size_t bus) noexcept;
+  template <class Function>
+  void for_each_delay(std::size_t bus, Function&& function) noexcept;
 
   // receive.cc
   void decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now) noexcept;
@@ -258,7 +261,7 @@ class Rig {
   DriveGoal goal() const noexcept;
   DeviceButtons buttons() const noexcept;
 
-  RigParams params_;
+  const RigParams& params_;
   KinematicTree tree_;
   std::vector<Bus> buses_;
   std::vector<RigNode> nodes_;

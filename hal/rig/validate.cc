@@ -15,7 +15,7 @@ namespace {
 
 class Checker {
  public:
-  explicit Checker(const RigParams& rig) : rig_(rig) {}
+  Checker(const RigParams& rig, double cycle_s) : rig_(rig), cycle_s_(cycle_s) {}
 
   std::vector<std::string> run() {
     check_timing();
@@ -42,9 +42,9 @@ class Checker {
   }
 
   void check_timing() {
-    require_positive(rig_.cycle_s, "", "step");
-    require(rig_.stale_after_s >= rig_.cycle_s, "stale_after is ", rig_.stale_after_s,
-            ", must be at least step (", rig_.cycle_s, ")");
+    require_positive(cycle_s_, "", "step");
+    require(rig_.stale_after_s >= cycle_s_, "stale_after is ", rig_.stale_after_s,
+            ", must be at least step (", cycle_s_, ")");
     require_positive(rig_.lost_after_s, "", "lost_after");
     require_positive(rig_.boot_timeout_s, "", "boot_timeout");
     require_positive(rig_.heartbeat_timeout_s, "", "heartbeat_timeout");
@@ -133,14 +133,12 @@ class Checker {
 
   // Checks the requirements of a drive's protocol on the drive and its bus.
   void check_protocol(const DriveParams& drive, const std::string& where) {
-    if (drive.protocol == DriveProtocol::cia402) {
-      require(drive.torque_max_Nm <= 32.767 * drive.torque_rated_Nm, where, "torque_max_Nm is ",
-              drive.torque_max_Nm, ", must be at most 32.767 torque_rated_Nm");
-    } else {
-      require(drive.status_every_nth_sync == 1, where, "status_every_nth_sync is ",
-              int{drive.status_every_nth_sync}, ", must be 1: it answers every request");
-    }
+    const double max_Nm = max_encodable_torque_Nm(drive);
+    require(drive.torque_max_Nm <= max_Nm, where, "torque_max_Nm is ", drive.torque_max_Nm,
+            ", must be at most ", max_Nm, " with this torque_rated_Nm");
     const BusProtocol protocol = bus_protocol(drive.protocol);
+    require(protocol.canopen || drive.status_every_nth_sync == 1, where, "status_every_nth_sync is ",
+            int{drive.status_every_nth_sync}, ", must be 1: it answers every request");
     const char* name = drive_protocol_names[static_cast<std::size_t>(drive.protocol)];
     require(drive.node_id <= protocol.max_node_id, where, "node_id is ", int{drive.node_id}, ", must be 1..",
             int{protocol.max_node_id}, " with protocol ", name);
@@ -218,12 +216,15 @@ class Checker {
   }
 
   const RigParams& rig_;
+  double cycle_s_;
   std::vector<std::string> errors_;
   std::vector<std::pair<std::size_t, std::uint8_t>> nodes_;  // bus, node id
 };
 
 }  // namespace
 
-std::vector<std::string> validate(const RigParams& rig) { return Checker(rig).run(); }
+std::vector<std::string> validate(const RigParams& rig, double cycle_s) {
+  return Checker(rig, cycle_s).run();
+}
 
 }  // namespace godobject

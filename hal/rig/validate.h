@@ -11,7 +11,7 @@ namespace godobject {
 inline constexpr std::size_t max_buses = 4;
 
 /// Returns one sentence per violated rule: joint, device or scene-file key, value, admissible range. Empty if
-/// a Rig can be constructed. Set-up only: allocates.
-std::vector<std::string> validate(const RigParams& rig);
+/// a Rig can be constructed. cycle_s: SYNC period, s. Set-up only: allocates.
+std::vector<std::string> validate(const RigParams& rig, double cycle_s);
 
 }  // namespace godobject

@@ -56,18 +56,18 @@ TimeToZero of_cia402(const DriveParams& drive, const std::optional<NodeProfile>&
                            : "its profile is missing"};
 }
 
-TimeToZero of_host(const RigParams& rig, const DriveParams& drive,
-                   const std::optional<NodeProfile>& profile) {
+TimeToZero of_host(const DriveParams& drive, double cycle_s, const std::optional<NodeProfile>& profile) {
   const ProtocolWatchdog* const watchdog = bus_protocol(drive.protocol).watchdog;
   if (watchdog == nullptr) return of_cia402(drive, profile);
   TimeToZero out{.mechanism = watchdog->mechanism};
-  if (watchdog->time_s != nullptr) out.s = watchdog->time_s(rig.cycle_s);
+  if (watchdog->time_s != nullptr) out.s = watchdog->time_s(cycle_s);
   return out;
 }
 
 }  // namespace
 
-TimeToZero time_to_zero(const RigParams& rig, std::size_t drive, const RigProfiles& profiles) {
+TimeToZero time_to_zero(const RigParams& rig, double cycle_s, std::size_t drive,
+                        const RigProfiles& profiles) {
   const DriveParams& params = rig.drives[drive];
   switch (params.watchdog) {
     case DriveWatchdog::host: break;
@@ -77,14 +77,15 @@ TimeToZero time_to_zero(const RigParams& rig, std::size_t drive, const RigProfil
     case DriveWatchdog::none: return {.mechanism = "accepted by watchdog = \"none\""};
   }
   const bool has_profile = drive < profiles.drives.size();
-  return of_host(rig, params, has_profile ? profiles.drives[drive] : std::nullopt);
+  return of_host(params, cycle_s, has_profile ? profiles.drives[drive] : std::nullopt);
 }
 
-std::vector<std::string> missing_watchdogs(const RigParams& rig, const RigProfiles& profiles) {
+std::vector<std::string> missing_watchdogs(const RigParams& rig, double cycle_s,
+                                           const RigProfiles& profiles) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < rig.drives.size(); ++i) {
     const DriveParams& drive = rig.drives[i];
-    const TimeToZero time = time_to_zero(rig, i, profiles);
+    const TimeToZero time = time_to_zero(rig, cycle_s, i, profiles);
     if (time.s || drive.watchdog == DriveWatchdog::none) continue;
     lines.push_back("drive of joint '" + drive.joint + "' (" + rig.buses[drive.bus].name + " node " +
                     std::to_string(drive.node_id) +

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "core/setup.h"
-#include "platform/cli/time_to_zero.h"
+#include "hal/rig/watchdog.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/net/report.h"
-#include "platform/scene/top_speed.h"
+#include "platform/scene/net/params.h"
 
 namespace godobject {
 namespace {
@@ -69,11 +69,12 @@ void add_device(const DeviceConfig& device, std::vector<std::string>& lines) {
                        device.limits.ramp));
 }
 
-/// Adds the rows of the table of time_to_zero.h without its head.
+/// Adds the rows of the table of time_to_zero_lines() without its head.
 void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& lines) {
   const SceneConfig& scene = prepared.session->scene();
   if (!scene.device || !scene.device->rig) return;
-  const std::vector<std::string> table = time_to_zero_lines(*scene.device->rig, prepared.profiles);
+  const std::vector<std::string> table =
+      time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles);
   for (std::size_t i = 1; i < table.size(); ++i)
     lines.push_back(
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
@@ -137,6 +138,19 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
                        times.fastest / session.scene().step, slowest.c_str()));
 }
 
+std::string row(const std::string& drive, const std::string& time, const std::string& mechanism) {
+  std::array<char, 48> columns{};
+  std::snprintf(columns.data(), columns.size(), "#   %-24.24s %8s   ", drive.c_str(), time.c_str());
+  return columns.data() + mechanism;
+}
+
+std::string milliseconds(const std::optional<double>& s) {
+  if (!s) return "never";
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "%.3g ms", 1e3 * *s);
+  return text.data();
+}
+
 }  // namespace
 
 std::vector<std::string> check_lines(const RunOptions& options, const PreparedRun& prepared) {
@@ -163,6 +177,20 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
   add_times_to_zero(prepared, lines);
   add_contacts(scene, composition, lines);
   add_nets(session, lines);
+  return lines;
+}
+
+std::vector<std::string> time_to_zero_lines(const RigParams& rig, double cycle_s,
+                                            const RigProfiles& profiles) {
+  if (rig.drives.empty()) return {};
+  std::vector<std::string> lines{"# time to zero torque after the death of this program"};
+  for (std::size_t i = 0; i < rig.drives.size(); ++i) {
+    const DriveParams& drive = rig.drives[i];
+    const TimeToZero time = time_to_zero(rig, cycle_s, i, profiles);
+    lines.push_back(
+        row(drive.joint + " (" + rig.buses[drive.bus].name + " node " + std::to_string(drive.node_id) + ")",
+            milliseconds(time.s), time.mechanism));
+  }
   return lines;
 }
 

@@ -9,10 +9,9 @@
 #include <memory>
 #include <new>
 
-#include "platform/cli/option_text.h"
-#include "platform/rt/large_stack.h"
-#include "platform/rt/standard_descriptors.h"
-#include "platform/scene/text/nearest_name.h"
+#include "platform/cli/command_line.h"
+#include "platform/rt/setup.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

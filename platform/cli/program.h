@@ -1,11 +1,43 @@
-// The program godobject. Its main() sets the simulation: none in platform/cli/main.cc, the devices of scenes
-// in platform/cli/simulate/main.cc.
+// The program godobject and its verbs. A new verb is a function in verb/, a line in the list below and one in
+// program.cc. Its main() sets the simulation: none in platform/cli/main.cc, the devices of scenes in
+// platform/cli/simulate/main.cc.
 #pragma once
 
-#include "platform/cli/verbs.h"
+#include <CLI/CLI.hpp>
+
 #include "platform/session/simulated_devices.h"
 
 namespace godobject {
+
+/// Exit code of the program.
+enum class ExitCode : int {
+  ok = 0,
+  fault = 1,          // during the run, or a file that could not be written
+  usage = 2,          // wrong options or a wrong file; nothing was done
+  not_available = 3,  // this machine does not have a requested resource
+};
+
+struct FaultChecks;
+struct RunOptions;
+
+/// Adds the options of `run`, which `check` shares.
+void add_run_options(CLI::App& verb, RunOptions& options);
+
+// Each function adds its verb to `app`. When the verb has run, its exit code is in `code`, which outlives
+// `app`. Verbs that read scenes receive the simulation of the program.
+void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
+void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
+// only in programs that simulate, see LinkedSimulation
+void add_simulate(CLI::App& app, ExitCode& code);
+void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_faults(CLI::App& app, ExitCode& code);
+void add_sdo(CLI::App& app, ExitCode& code);
+void add_lss(CLI::App& app, ExitCode& code);
+void add_drive(CLI::App& app, ExitCode& code);
+void add_encoder(CLI::App& app, ExitCode& code);
+void add_documents(CLI::App& app, ExitCode& code);
 
 /// Functions of a program that links simulated devices. Default: none.
 struct LinkedSimulation {

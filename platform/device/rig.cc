@@ -14,8 +14,8 @@ Nanoseconds gather_time(double step) noexcept {
 }
 
 std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
-  const RigParams rig = rig_of(scene);
-  std::vector<std::string> errors = validate(rig);
+  const RigParams& rig = *scene.device->rig;
+  std::vector<std::string> errors = validate(rig, scene.step);
   if (scene.device->kind == DeviceKind::admittance)
     errors.push_back("an admittance device runs only with --bus direct");
   if (!errors.empty()) return errors;
@@ -28,15 +28,16 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
 }
 
 RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
-    : params_(rig_of(scene)),
+    : params_(*scene.device->rig),
+      cycle_s_(scene.step),
       joints_(scene),
       link_(std::move(link)),
-      swings_(params_.drives, scene.step),
-      gather_ns_(gather_time(scene.step)) {
+      swings_(params_.drives, cycle_s_),
+      gather_ns_(gather_time(cycle_s_)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[*target]);
-  rig_.emplace(params_, link_->buses());
+  rig_.emplace(params_, cycle_s_, link_->buses());
 }
 
 void RigDevice::boot(Period& period) noexcept {
@@ -131,7 +132,7 @@ bool RigDevice::commands_torque() const noexcept {
 
 void RigDevice::restart() {
   earlier_rigs_ = counters();
-  rig_.emplace(params_, link_->buses());
+  rig_.emplace(params_, cycle_s_, link_->buses());
   swings_.reset();
 }
 

@@ -19,7 +19,8 @@ class RigDevice final : public HandDevice {
   static std::vector<std::string> complaints(const SceneConfig& scene);
 
   /// Allocates; of the other functions only restart() does. complaints() must be empty.
-  /// link: its buses may still be closed, but must be open before the first period.
+  /// scene: constant and outliving the device. link: its buses may still be closed, but must be open before
+  /// the first period.
   RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link);
 
   std::optional<double> boot_limit_s() const noexcept override { return 0; }  // its own is shorter
@@ -57,7 +58,8 @@ class RigDevice final : public HandDevice {
   void take_in(Period& period) noexcept;
   bool commands_torque() const noexcept;
 
-  RigParams params_;
+  const RigParams& params_;  // of the scene
+  double cycle_s_;
   std::vector<std::size_t> bodies_;  // one per handle
   PrescribedSamples joints_;
   std::unique_ptr<RigLink> link_;

@@ -118,8 +118,9 @@ std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const Bo
   const Needs needs = needs_of(scene);
   for (const CompositionRow& r : table()) {
     if (!has_room_for(r.composition, needs, scene) || !has_parts_for(r.composition, needs, scene)) continue;
-    const Validity validity = r.check(scene);
-    if (validity == Invalid::nothing) return r.make(scene, at_start, r.composition);
+    Validity validity;
+    std::unique_ptr<Engine> engine = r.make(scene, at_start, r.composition, validity);
+    if (engine) return engine;
     why_not = "the core rejects scene '" + scene.name + "': " + complaint(validity, scene);
     return nullptr;
   }

@@ -5,7 +5,7 @@
 #include "platform/engine/any_device.h"
 #include "platform/engine/row.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
 
@@ -44,18 +44,6 @@ inline AnyDevice::Kind kind_of(const SceneConfig& scene) noexcept {
   return grips_bodies(scene) ? AnyDevice::Kind::holding : AnyDevice::Kind::pose;
 }
 
-inline SpringParams spring_params(const std::optional<CouplingConfig>& c) noexcept {
-  if (!c) return {};
-  return {.k = c->stiffness, .g = c->damping, .k_r = c->rotational_stiffness, .g_r = c->rotational_damping};
-}
-
-inline StopParams stop_params(const StopConfig& stop) noexcept {
-  StopParams par{.k = stop.stiffness, .g = stop.damping, .width = stop.width};
-  par.lower = stop.lower.value_or(par.lower);
-  par.upper = stop.upper.value_or(par.upper);
-  return par;
-}
-
 template <class Joints>
 typename Joints::Params joint_params_of(const SceneConfig& scene, const JointConfig& joint) {
   typename Joints::Params par;
@@ -63,7 +51,7 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
   if constexpr (uses<typename Joints::Stops>) {
     for (const StopConfig& stop : joint.stops)
       for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
-        if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop_params(stop);
+        if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop.params;
   }
   if constexpr (uses<typename Joints::Prescribed>) par.motion.prescribed = joint.imposed;
   return par;
@@ -95,9 +83,10 @@ Params<S> params_of(const SceneConfig& scene) {
     const BodyConfig& body = scene.bodies[i];
     par.bodies[i].body = rigid_body(body.mass, body.inertia);
     const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
-    par.bodies[i].coupling = imposed ? rigid_spring(par.bodies[i].body, par.h) : spring_params(body.coupling);
+    par.bodies[i].coupling =
+        imposed ? rigid_spring(par.bodies[i].body, par.h) : body.coupling.value_or(SpringParams{});
     const bool shows = scene.device && shows_force(scene.device->kind);
-    par.bodies[i].feedback = {.gains = shows ? spring_params(body.feedback) : SpringParams{},
+    par.bodies[i].feedback = {.gains = shows ? body.feedback.value_or(SpringParams{}) : SpringParams{},
                               .max_force = limits.force,
                               .max_torque = limits.torque,
                               .max_force_rate = limits.force_rate,
@@ -122,7 +111,8 @@ constexpr ContactScope scope_of() noexcept {
 template <Scene S>
 class EngineOf final : public Engine {
  public:
-  EngineOf(const SceneConfig& scene, std::span<const BodySample> at_start, Composition composition)
+  /// Converts the scene's parameters. Call start() once validity() is Invalid::nothing.
+  EngineOf(const SceneConfig& scene, Composition composition)
       : composition_(std::move(composition)), par_(params_of<S>(scene)) {
     if constexpr (uses<ContactsOf<S>>) {
       contacts_ = scene_contacts(scene);
@@ -132,6 +122,13 @@ class EngineOf final : public Engine {
       nets_ = scene_nets(scene);
       set_net_params(nets_, par_.net);
     }
+  }
+
+  /// Validates the scene's parameters by the core.
+  Validity validity() const noexcept { return validate(par_); }
+
+  /// Places bodies and nets and engages the devices, whose samples at t = 0 are at_start.
+  void start(const SceneConfig& scene, std::span<const BodySample> at_start) {
     for (std::size_t i = 0; i < par_.num_bodies; ++i) {
       place(x_, i, {.X_WB = scene.bodies[i].X_WB, .V_WB = scene.bodies[i].V_WB});
       const AnyDevice::Params& device = par_.bodies[i].device;
@@ -291,17 +288,16 @@ std::vector<PartBytes> parts_of() {
   return parts;
 }
 
-/// Validates the scene's parameters by the core.
+/// Makes and starts an engine. Returns null, with the violated rule in `validity`, if the core rejects the
+/// scene's parameters.
 template <Scene S>
-Validity check(const SceneConfig& scene) {
-  const auto par = std::make_unique<Params<S>>(params_of<S>(scene));
-  if constexpr (uses<NetOf<S>>) set_net_params(scene_nets(scene), par->net);
-  if constexpr (uses<ContactsOf<S>>) {
-    const SceneContacts contacts = scene_contacts(scene);
-    set_contact_params(contacts, par->contacts);
-    return validate(*par);
-  }
-  return validate(*par);
+std::unique_ptr<Engine> make_engine_of(const SceneConfig& scene, std::span<const BodySample> at_start,
+                                       const Composition& composition, Validity& validity) {
+  auto engine = std::make_unique<EngineOf<S>>(scene, composition);
+  validity = engine->validity();
+  if (validity != Invalid::nothing) return nullptr;
+  engine->start(scene, at_start);
+  return engine;
 }
 
 template <Scene S>
@@ -326,10 +322,7 @@ CompositionRow row(const std::string& name) {
     c.max_node_contacts = S::Net::max_contacts;
     c.max_attachments = S::Net::max_attachments;
   }
-  return {std::move(c),
-          [](const SceneConfig& scene, std::span<const BodySample> at_start, const Composition& what)
-              -> std::unique_ptr<Engine> { return std::make_unique<EngineOf<S>>(scene, at_start, what); },
-          [](const SceneConfig& scene) { return check<S>(scene); }};
+  return {std::move(c), make_engine_of<S>};
 }
 
 }  // namespace godobject

@@ -9,8 +9,9 @@ namespace godobject {
 /// One row of the table of compositions.
 struct CompositionRow {
   Composition composition;
-  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&);
-  Validity (*check)(const SceneConfig&);  // validation of the scene's parameters by the core
+  // make_engine_of() in of.h
+  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&,
+                                  Validity&);
 };
 
 // One file each, and one line in engine.cc.

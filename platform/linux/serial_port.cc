@@ -23,7 +23,7 @@
 #include <utility>
 
 #include "platform/rt/clock.h"
-#include "platform/rt/last_resort.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {
@@ -58,6 +58,15 @@ bool is_connection_lost(int error) {
 
 constexpr const char* udev_rule =
     R"(ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency_timer}="1")";
+
+Pty fail(Pty pty, const std::string& what) {
+  pty.why = "no pseudo-terminal: " + what + ": " + std::generic_category().message(errno);
+  for (int* const fd : {&pty.master, &pty.slave}) {
+    if (*fd >= 0) ::close(*fd);
+    *fd = -1;
+  }
+  return pty;
+}
 
 }  // namespace
 
@@ -258,6 +267,22 @@ SerialAddress parse_serial_address(const std::string& where, std::uint32_t defau
   const auto [stop, error] = std::from_chars(where.data() + comma + 1, end, address.baud);
   if (error != std::errc{} || stop != end) address.baud = 0;
   return address;
+}
+
+Pty make_pty() {
+  Pty pty{.master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
+  if (pty.master < 0) return fail(pty, "posix_openpt");
+  std::array<char, 64> name{};
+  if (grantpt(pty.master) != 0 || unlockpt(pty.master) != 0 ||
+      ptsname_r(pty.master, name.data(), name.size()) != 0)
+    return fail(pty, "its other end cannot be made ready");
+  pty.name = name.data();
+  pty.slave = ::open(name.data(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  termios raw{};
+  raw.c_cflag = CS8;
+  raw.c_cc[VMIN] = 1;
+  if (pty.slave < 0 || ioctl(pty.slave, TCSETS, &raw) != 0) return fail(pty, pty.name);
+  return pty;
 }
 
 }  // namespace godobject

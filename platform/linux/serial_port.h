@@ -129,4 +129,15 @@ constexpr double seconds_per_byte(std::uint32_t baud) noexcept { return 10.0 / b
 /// `sysfs`. None if the driver has no such timer (only FTDI's has).
 std::optional<int> read_latency_timer_ms(const std::string& path, std::string_view sysfs = "/sys");
 
+/// A pseudo-terminal: a serial line with another program at its other end. The caller owns the descriptors.
+/// `slave` must stay open, because reading the master without an open slave is an error.
+struct Pty {
+  int master = -1, slave = -1;
+  std::string name{};  // path of the other end
+  std::string why{};   // empty: it is open
+};
+
+/// Makes a pseudo-terminal: raw, non-blocking, not inherited.
+Pty make_pty();
+
 }  // namespace godobject

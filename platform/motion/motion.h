@@ -55,7 +55,7 @@ class Motion {
   /// the end pose, with the end wrench. Switches keep their value until the next sample, and before the first
   /// sample have its value.
   ///
-  /// A trace of a run of this scene is such a table, see from_trace.h.
+  /// A trace of a run of this scene is such a table, see parse_motion_table().
   static MotionResult read(const std::string& path, const SceneConfig& scene);
   /// Parses a text as read() does.
   /// file: name in messages.
@@ -121,5 +121,12 @@ struct MotionResult {
   std::vector<std::string> errors;  // "file:line:column: text"
   std::vector<std::string> notes;   // columns that were not used
 };
+
+/// Name of the column of words in a table of a motion.
+inline constexpr const char* hold_column = "hold";
+
+/// Parses the table of a motion. The trace of a run becomes the table of a motion of this scene.
+/// file: name in messages.
+CsvResult parse_motion_table(std::string_view csv, const std::string& file, const SceneConfig& scene);
 
 }  // namespace godobject

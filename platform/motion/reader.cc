@@ -5,9 +5,7 @@
 #include <cstdio>
 #include <iterator>
 
-#include "platform/motion/from_trace.h"
 #include "platform/motion/motion.h"
-#include "platform/motion/sudden_moves.h"
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/text/toml_reader.h"
 
@@ -19,7 +17,6 @@ inline constexpr std::size_t max_misspelling = 3;  // letters
 inline constexpr double max_value = 1e6;  // m, rad, N, N m; above it a double resolves no more than 0.1 nm
 /// Smallest plausible distance of times; below it rates between samples would be implausible.
 inline constexpr double least_spacing_s = 1e-6, max_time_s = 1e9;
-inline constexpr const char* hold_column = "hold";
 inline constexpr const char* button_column = "button";
 inline constexpr const char* hold_nothing = "-";
 
@@ -335,15 +332,8 @@ class MotionReader {
 };
 
 MotionResult Motion::parse(std::string_view csv, const std::string& file, const SceneConfig& scene) {
-  const bool of_trace = is_trace(csv);
-  CsvResult result =
-      of_trace ? parse_csv(whole_lines(csv), file, "", is_of_motion) : parse_csv(csv, file, hold_column);
+  const CsvResult result = parse_motion_table(csv, file, scene);
   if (!result.table) return {std::nullopt, result.errors, {}};
-  if (of_trace) {
-    TraceMotion motion = motion_of_trace(*result.table, file, scene);
-    if (!motion.table) return {std::nullopt, motion.errors, {}};
-    result.table = std::move(motion.table);
-  }
   return MotionReader(*result.table, file, scene).read();
 }
 

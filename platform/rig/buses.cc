@@ -1,12 +1,13 @@
 #include "platform/rig/buses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "hal/canopen/canopen.h"
 #include "hal/drive/link.h"
-#include "platform/linux/bus/named_address.h"
-#include "platform/rig/filters.h"
+#include "platform/linux/bus/bus.h"
 
 namespace godobject {
 namespace {
@@ -74,6 +75,13 @@ std::string trouble_of(LinuxLink& link, const RigAddresses& where, const RigPara
   return "bus " + rig.buses[i].name + " (" + where.texts[i] + "): " + link.bus(i).trouble();
 }
 
+/// NMT 000h and SYNC 080h.
+constexpr CanFilter network{.id = 0x000, .mask = 0x77F};
+
+void add(const std::vector<CanFilter>& more, std::vector<CanFilter>& filters) {
+  filters.insert(filters.end(), more.begin(), more.end());
+}
+
 }  // namespace
 
 RigAddresses rig_addresses(std::span<const std::string> given, const SceneConfig& scene,
@@ -137,6 +145,35 @@ std::vector<std::string> bus_troubles(LinuxLink& link, const RigAddresses& where
   for (std::size_t i = 0; i < link.num_buses(); ++i)
     if (!link.bus(i).trouble().empty()) troubles.push_back(trouble_of(link, where, rig, i));
   return troubles;
+}
+
+std::vector<std::vector<CanFilter>> rig_filters(const RigParams& rig) {
+  std::vector<std::vector<CanFilter>> filters(rig.buses.size());
+  for (std::vector<CanFilter>& of_bus : filters) {
+    of_bus.push_back(network);
+    of_bus.push_back({.id = canopen::heartbeat_cob_id(rig.host_node_id), .mask = 0x7FF});
+  }
+  for (const EncoderParams& encoder : rig.encoders)
+    add(canopen::filters(encoder.node_id), filters[encoder.bus]);
+  for (const DriveParams& drive : rig.drives)
+    add(bus_protocol(drive.protocol).filters(drive.node_id), filters[drive.bus]);
+  for (const ButtonParams& button : rig.buttons) add(canopen::filters(button.node_id), filters[button.bus]);
+  return filters;
+}
+
+std::string load_advice(const BusLoad& load) {
+  const char* verdict = nullptr;
+  if (is_overloaded(load)) {
+    verdict = "error: the bus cannot carry its messages; raise bit_rate, raise step, or use more buses";
+  } else if (load.worst_percent > planned_load_percent) {
+    verdict = "warning: above 70 %, messages of low priority may come a period late; use more buses";
+  } else if (load.worst_percent > advised_load_percent) {
+    verdict = "warning: above 50 %, little is left for repeated and sporadic messages";
+  }
+  if (!verdict) return "";
+  std::array<char, 32> percent{};
+  std::snprintf(percent.data(), percent.size(), "%.1f", load.worst_percent);
+  return "bus " + load.bus + ": worst-case load " + percent.data() + " %: " + verdict;
 }
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// Buses of a rig on this machine: addresses, opening, filters, and transmit slots.
+// Buses of a rig on this machine: addresses, opening, filters, transmit slots, and advice on their load.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "hal/can/filter.h"
+#include "hal/rig/bus_load.h"
+#include "hal/rig/params.h"
 #include "platform/linux/bus/bus.h"
 #include "platform/linux/link.h"
 #include "platform/scene/scene.h"
@@ -42,5 +45,20 @@ std::vector<std::string> open_buses(LinuxLink& link, const RigAddresses& where, 
 
 /// Returns one line for each bus with a problem, in the form of open_buses().
 std::vector<std::string> bus_troubles(LinuxLink& link, const RigAddresses& where, const RigParams& rig);
+
+/// Returns the filters of each bus of the rig. They pass all frames of the rig's own nodes and of the host.
+/// The kernel or an adapter may drop all others before they wake the loop.
+/// Frames of nodes: the predefined connection set (CiA 301 7.3.3: PDO, EMCY, SDO, heartbeat), and those of
+/// drives with other protocols.
+/// Frames of the host: NMT and SYNC among them, because a bus confirms a transmission by returning the frame.
+std::vector<std::vector<CanFilter>> rig_filters(const RigParams& rig);
+
+/// Worst-case loads with advice. No run starts above the last one.
+inline constexpr double advised_load_percent = 50, planned_load_percent = 70, full_load_percent = 100;
+
+/// Returns the advice on the worst-case load; empty up to advised_load_percent.
+std::string load_advice(const BusLoad& load);
+/// True if the load exceeds the capacity of the bus; no run may start on it.
+constexpr bool is_overloaded(const BusLoad& load) noexcept { return load.worst_percent > full_load_percent; }
 
 }  // namespace godobject

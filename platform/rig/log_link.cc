@@ -5,13 +5,11 @@
 
 #include "hal/can/candump.h"
 #include "hal/can/timing.h"
-#include "hal/canopen/canopen.h"
 #include "hal/drive/link.h"
 
 namespace godobject {
 namespace {
 
-constexpr std::size_t max_log_bytes = std::size_t{512} << 20;
 constexpr std::size_t no_bus = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
@@ -45,6 +43,7 @@ std::string LogLink::read(std::span<const LogSource> sources) {
 std::string LogLink::read_file(const std::string& path, std::span<const LogSource> sources) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) return path + ": cannot be read";
+  constexpr std::size_t max_log_bytes = std::size_t{512} << 20;
   if (static_cast<std::size_t>(in.tellg()) > max_log_bytes) return path + ": larger than 512 MiB";
   in.seekg(0);
   struct Entry {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/canopen/canopen.h"
 #include "hal/rig/link.h"
 #include "hal/rig/params.h"
 

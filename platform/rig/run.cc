@@ -4,14 +4,10 @@
 
 #include "platform/device/phases.h"
 #include "platform/rig/bring_up.h"
-#include "platform/rig/last_frames.h"
-#include "platform/rig/load_advice.h"
-#include "platform/rig/profiles.h"
+#include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"
-#include "platform/rt/deadline_watch.h"
 #include "platform/rt/setup.h"
-#include "platform/rt/standard_descriptors.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 
 namespace godobject {
@@ -98,10 +94,10 @@ RigRun::RigRun(const std::string& scene_file, std::span<const std::string> addre
     return;
   }
   errors_ = RigDevice::complaints(scene_);
-  const RigParams rig = scene_.device->rig.emplace(rig_of(scene_));
   profiles_ = checked_profiles(scene_, scene_file, errors_);
+  const RigParams& rig = *scene_.device->rig;
   if (errors_.empty())
-    for (const BusLoad& load : bus_load(rig, usual_load(rig)))
+    for (const BusLoad& load : bus_load(rig, scene_.step, usual_load(rig)))
       if (is_overloaded(load)) errors_.push_back(scene_file + ": " + load_advice(load));
   where_ = rig_addresses(addresses, scene_, "", errors_);
   if (where_.are_logs())
@@ -119,9 +115,9 @@ RigRun::Result RigRun::run(const Step& step) {
   guard_process();
   const StopSignals signals(Suspension::stops);
   const RigParams& rig = *scene_.device->rig;
-  result.why_not = lines(bring_up({*link_, where_, rig, profiles_}, signals.requested()));
+  result.why_not = lines(bring_up({*link_, where_, rig, scene_.step, profiles_}, signals.requested()));
   if (result.why_not.empty() && !signals.requested()) {
-    const LastResort last_resort(last_words(rig, *link_));
+    const LastResort last_resort(last_words(rig, scene_.step, *link_));
     const SignalStack stack;
     const RtProcess process;
     static_cast<void>(set_up_rt_thread());

@@ -19,6 +19,8 @@ class RigRun {
   /// Closed descriptors 0 to 2 are opened on /dev/null, so that no bus becomes standard error.
   /// scene_file: a scene with a device on buses. addresses: as for rig_addresses().
   RigRun(const std::string& scene_file, std::span<const std::string> addresses);
+  RigRun(const RigRun&) = delete;  // device_ refers to scene_
+  RigRun& operator=(const RigRun&) = delete;
 
   /// Errors, one line each: subject, place, remedy. If not empty, step_s() and run() must not be called.
   const std::vector<std::string>& errors() const noexcept { return errors_; }

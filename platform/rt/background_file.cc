@@ -10,7 +10,7 @@
 #include <new>
 #include <system_error>
 
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {

@@ -5,14 +5,18 @@
 #include <pthread.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/utsname.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
 #include <system_error>
+#include <thread>
 
 namespace godobject {
 namespace {
@@ -88,6 +92,33 @@ RtStep take_priority() {
           .remedy = "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"};
 }
 
+constexpr std::size_t stack_bytes = std::size_t{8} << 20;  // Linux' usual limit
+
+bool is_small(const rlimit& limit) noexcept {
+  return limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur < stack_bytes;
+}
+
+void give_threads_as_much() noexcept {
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return;
+  if (pthread_attr_setstacksize(&attributes, stack_bytes) == 0) pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+}
+
+const std::function<void()>* called = nullptr;  // global, because makecontext() passes no pointers
+
+void enter() { (*called)(); }
+
+std::string cpu_model() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 std::string_view name_of(RtResult result) noexcept {
@@ -132,6 +163,51 @@ std::string rt_table(std::span<const RtStep> steps) {
     table += '\n';
   }
   return table;
+}
+
+bool keep_standard_descriptors() noexcept {
+  for (int standard = STDIN_FILENO; standard <= STDERR_FILENO; ++standard) {
+    if (::fcntl(standard, F_GETFD) >= 0) continue;
+    int opened = -1;  // the lowest free number, which is this one
+    do {
+      opened = ::open("/dev/null", O_RDWR);
+    } while (opened < 0 && errno == EINTR);
+    if (opened < 0) return false;
+  }
+  return true;
+}
+
+bool call_on_large_stack(const std::function<void()>& f) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_STACK, &limit) != 0 || !is_small(limit)) {
+    f();
+    return true;
+  }
+  give_threads_as_much();
+  const auto guard_bytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::size_t bytes = stack_bytes + guard_bytes;
+  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                            MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_STACK, -1, 0);
+  if (memory == MAP_FAILED) return false;
+  mprotect(memory, guard_bytes, PROT_NONE);  // turns an overflow into a SIGSEGV
+  ucontext_t caller{}, context{};
+  getcontext(&context);
+  context.uc_stack.ss_sp = static_cast<std::byte*>(memory) + guard_bytes;
+  context.uc_stack.ss_size = stack_bytes;
+  context.uc_link = &caller;
+  called = &f;
+  makecontext(&context, enter, 0);
+  swapcontext(&caller, &context);
+  munmap(memory, bytes);
+  return true;
+}
+
+Machine this_machine() {
+  utsname names{};
+  uname(&names);
+  return {.cpu = cpu_model(),
+          .num_cpus = std::thread::hardware_concurrency(),
+          .kernel = std::string(names.release) + " " + names.version};
 }
 
 }  // namespace godobject

@@ -1,6 +1,8 @@
-// Real-time setup of Linux, step by step. Each step has a result, so that no failure is silent.
+// Set-up of the process: standard descriptors, stack, and real time under Linux, step by step. Each step has
+// a result, so that no failure is silent. Also the machine's properties, for reports.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,5 +50,23 @@ inline constexpr int rt_priority = 80;
 
 /// Formats one line a step: name, result, detail, remedy.
 std::string rt_table(std::span<const RtStep> steps);
+
+/// Opens closed descriptors among 0 to 2 on /dev/null, so that later ones are above them. A bus or file
+/// opened as one of them would receive the status lines. Call it before anything else is opened. Returns
+/// false if /dev/null cannot be opened.
+[[nodiscard]] bool keep_standard_descriptors() noexcept;
+
+/// Calls f in this thread, on a stack of 8 MB if the process's limit (`ulimit -s`) is lower; threads that
+/// start meanwhile get as much. Returns false, without calling f, if out of memory.
+[[nodiscard]] bool call_on_large_stack(const std::function<void()>& f);
+
+/// Processor and kernel of this machine.
+struct Machine {
+  std::string cpu;  // model name
+  unsigned num_cpus = 0;
+  std::string kernel;  // release and version
+};
+
+Machine this_machine();
 
 }  // namespace godobject

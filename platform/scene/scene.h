@@ -8,27 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "core/body/coupling.h"
 #include "core/joint/list.h"
+#include "core/joint/stops.h"
 #include "core/net/net.h"
 #include "hal/rig/params.h"
 #include "hal/rig/simulation.h"
 #include "hal/tracker/params.h"
-#include "platform/scene/contact/config.h"
-#include "platform/scene/net/config.h"
+#include "platform/scene/geometry.h"
 
 namespace godobject {
-
-/// Coupling F = g e_t' + k e_t, T = g_r e_w + k_r alpha u (2). Damping ratios are resolved: g = ratio sqrt(m
-/// k), g_r = ratio sqrt(I_max k_r).
-struct CouplingConfig {
-  double stiffness = 0;             // k, N/m, >= 0
-  double damping = 0;               // g, N s/m, >= 0
-  double rotational_stiffness = 0;  // k_r, N m/rad, >= 0
-  double rotational_damping = 0;    // g_r, N m s/rad, >= 0
-};
-
-/// Displayed wrench (8), of the same form with gains of its own; all zero: no haptics.
-using FeedbackConfig = CouplingConfig;
 
 /// Bounds of the displayed wrench, and the ramp on engaging.
 struct LimitConfig {
@@ -88,14 +77,14 @@ struct DeviceConfig {
 
 struct BodyConfig {
   std::string name;
-  double mass = 1;                         // kg, > 0
-  Mat3 inertia = Mat3::Identity();         // kg m^2 about the centre of mass, body axes, positive definite
-  Pose X_WB;                               // pose at t = 0
-  Twist V_WB;                              // velocity at t = 0
-  std::optional<CouplingConfig> coupling;  // absent: free
-  std::optional<FeedbackConfig> feedback;  // absent or zero: no haptics
-  std::vector<SphereConfig> spheres{};     // touch solids outside of its own tool
-  std::vector<ShapeConfig> shapes{};  // touched by spheres of other bodies; without shapes its spheres are
+  double mass = 1;                       // kg, > 0
+  Mat3 inertia = Mat3::Identity();       // kg m^2 about the centre of mass, body axes, positive definite
+  Pose X_WB;                             // pose at t = 0
+  Twist V_WB;                            // velocity at t = 0
+  std::optional<SpringParams> coupling;  // spring to the target (2); absent: free
+  std::optional<SpringParams> feedback;  // spring of the displayed wrench (8); absent or zero: no haptics
+  std::vector<SphereConfig> spheres{};   // touch solids outside of its own tool
+  std::vector<ShapeConfig> shapes{};     // touched by spheres of other bodies; without shapes its spheres are
 };
 
 /// Name of the ground in joints and messages. No body has this name.
@@ -103,11 +92,8 @@ inline constexpr const char* world_name = "world";
 
 /// Springs at the ends of one coordinate of a joint (19).
 struct StopConfig {
-  std::string coordinate;              // name of the joint's coordinate
-  std::optional<double> lower, upper;  // rad or m; absent: no stop at that end
-  double stiffness = 0;                // N m/rad or N/m, beyond `width`
-  double damping = 0;                  // N m s/rad or N s/m, acting inwards only
-  double width = 0;                    // rad or m over which both rise from zero, > 0
+  std::string coordinate;  // name of the joint's coordinate
+  StopParams params{};     // an infinite end has no stop
 };
 
 struct JointConfig {
@@ -155,7 +141,7 @@ enum class CouplingMode : std::uint8_t {
 struct SceneConfig {
   std::string name;
   std::string about;
-  double step = 1e-3;    // h, s
+  double step = 1e-3;    // h, s; period of SYNC on the buses of its device
   double duration = 10;  // s
   std::string integrator = "tr-bdf2";
   CouplingMode coupling = CouplingMode::god_object;
@@ -231,13 +217,6 @@ inline std::vector<std::optional<std::size_t>> driven_by_handles(const SceneConf
 /// True if a device of this kind displays force, by the torque of its drives.
 constexpr bool shows_force(DeviceKind kind) noexcept {
   return kind == DeviceKind::impedance || kind == DeviceKind::relative;
-}
-
-/// Returns the rig of the scene's device, with a SYNC in each step of the scene.
-inline RigParams rig_of(const SceneConfig& scene) {
-  RigParams rig = *scene.device->rig;
-  rig.cycle_s = scene.step;
-  return rig;
 }
 
 /// Returns the index in motion_targets() of a tracker's tool.

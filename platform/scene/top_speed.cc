@@ -1,4 +1,33 @@
-#include "platform/scene/top_speed.h"
+// Speed up to which the contacts of a scene let nothing pass.
+//
+// A sphere of radius r touches a solid that is 2 T thick at its thinnest. T is half a box's shortest edge, or
+// the radius of a sphere or capsule. For a mesh it is at most the reach of a query inside; for a plane it is
+// infinite. Beyond the middle the nearest surface is the far one, where the contact pushes the sphere out. So
+//
+//   travel:  a contact is found if the centre ends a step within (-T, r) of the surface.
+//            Steps of h v cannot skip this range if                                  h v < r + T
+//   energy:  the tool's m v^2 / 2 is absorbed by one contact below the depth r + T: v < (r + T) sqrt(k / m)
+//
+// Swept contacts hold at higher travels too: spheres against obstacles, and against boxes of bodies (decision
+// 042).
+//
+// Edges of boxes on two bodies cross without spheres, and are searched at the predicted end of a step.
+// Spheres are swept, so that a box leaves another by its face of entry. Boxes that overlap by T / 2 along
+// every axis do not separate again. In tests with v of the fastest points of the boxes, pairs hold if
+//
+//   boxes:   h v < 0.3 T,  v < (T / 2) sqrt(k / m)
+//
+// m: mass of the whole tool, with another tool m_1 m_2 / (m_1 + m_2).
+// k: stiffness of one sphere's contact, without damping.
+//
+// A hand that keeps pushing has a bound of its own. Its target x_H deep is held if the coupling k_c balances
+// the contact at less than r + T: x_H < (r + T) (1 + k / k_c). A prescribed body, placed at its target
+// in every step, is stopped by nothing. Only the travel bounds it, and only against bodies that it can push.
+//
+// Not included: shapes that touch others only with spheres (spheres_alone()), and nodes of nets.
+// Obstacles stop nodes at any speed. But the carrier and other nodes pull them on by springs, with a force
+// that depends on the deformation of the whole net.
+#include "platform/scene/checks.h"
 
 #include <algorithm>
 #include <array>
@@ -9,14 +38,13 @@
 #include "core/contact/candidates.h"
 #include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/contact/spheres_alone.h"
 
 namespace godobject {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t max_rays = 2000;
-/// Share of the half thickness of the thinner box, see top_speed.h, tests/core/contact/test_tunnelling.cc and
+/// Share of the half thickness of the thinner box, see above, tests/core/contact/test_tunnelling.cc and
 /// decision 042.
 constexpr double held_in_a_step = 0.3;
 
@@ -53,7 +81,7 @@ std::vector<ToolSums> tool_sums(const SceneConfig& scene, const std::vector<std:
   for (std::size_t i = 0; i < sums.size(); ++i) {
     ToolSums& sum = sums[tools[i]];
     sum.mass += scene.bodies[i].mass;
-    if (scene.bodies[i].coupling) sum.k_c += scene.bodies[i].coupling->stiffness;
+    if (scene.bodies[i].coupling) sum.k_c += scene.bodies[i].coupling->k;
   }
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = sums[tools[i]];
   return sums;

@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
 namespace {

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-
 #include "hal/joint/inverse_kinematics.h"
 
 namespace godobject {
@@ -21,28 +19,43 @@ constexpr double stable_growth = 1 + 1e-6;  // 1 plus rounding: a free mass neit
 Matrix exponential(Matrix A) {
   const int halvings = std::max(0, std::ilogb(A.norm()) + 16);
   A /= std::exp2(halvings);
-  Matrix E = A + A * A / 2;  // exp(A) - 1, which keeps small terms
-  for (int i = 0; i < halvings; ++i) E = 2 * E + E * E;
+  Matrix E = A + A.lazyProduct(A) / 2;  // exp(A) - 1, which keeps small terms
+  for (int i = 0; i < halvings; ++i) E = (2 * E + E.lazyProduct(E)).eval();
   return Matrix::Identity(A.rows(), A.cols()) + E;
+}
+
+/// Returns the largest absolute eigenvalue, the limit of |A^n|^(1/n), at n = 2^40 by squaring. Eigen's
+/// solvers of eigenvalues cost 12 s of each compilation.
+double spectral_radius(Matrix A) {
+  double log_radius = 0, share = 1;
+  for (int squarings = 0; squarings < 40; ++squarings) {
+    const double size = A.norm();
+    if (!(size > 0)) return size;
+    log_radius += share * std::log(size);
+    share /= 2;
+    A /= size;
+    A = A.lazyProduct(A).eval();
+  }
+  return std::exp(log_radius);
 }
 
 /// Returns a handle's gains in joint coordinates, J^T G J.
 Matrix at_joints(const HandleJacobian& J, double rotational, double translational) {
   Eigen::Vector<double, 6> gains;
   gains << Vec3::Constant(rotational), Vec3::Constant(translational);
-  return J.transpose() * gains.asDiagonal() * J;
+  return J.transpose().lazyProduct(gains.asDiagonal() * J);
 }
 
 /// Returns the largest gains that the handle can display. A device that grips bodies displays the largest
 /// gains of any body.
-FeedbackConfig shown_at(const SceneConfig& scene, const HandleParams& handle) {
-  FeedbackConfig most;
+SpringParams shown_at(const SceneConfig& scene, const HandleParams& handle) {
+  SpringParams most;
   for (const BodyConfig& body : scene.bodies) {
     if (!body.feedback || (!grips_bodies(scene) && body.name != handle.body)) continue;
-    most.stiffness = std::max(most.stiffness, body.feedback->stiffness);
-    most.damping = std::max(most.damping, body.feedback->damping);
-    most.rotational_stiffness = std::max(most.rotational_stiffness, body.feedback->rotational_stiffness);
-    most.rotational_damping = std::max(most.rotational_damping, body.feedback->rotational_damping);
+    most.k = std::max(most.k, body.feedback->k);
+    most.g = std::max(most.g, body.feedback->g);
+    most.k_r = std::max(most.k_r, body.feedback->k_r);
+    most.g_r = std::max(most.g_r, body.feedback->g_r);
   }
   return most;
 }
@@ -61,8 +74,7 @@ double largest_share(const Matrix& needed, const Eigen::VectorXd& damping) {
   if (needed.isZero(0)) return 0;
   if (!(damping.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd scale = damping.cwiseSqrt().cwiseInverse();
-  const Matrix scaled = scale.asDiagonal() * needed * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Matrix>(scaled, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+  return spectral_radius(scale.asDiagonal() * needed * scale.asDiagonal());
 }
 
 template <class... Args>
@@ -113,7 +125,7 @@ double growth_per_period(const SampledAxis& axis, double hand_stiffness, double 
   step(2, 0) = 1;
   if (axis.delay > 0) step.row(3) = u_k;
   for (Eigen::Index i = 4; i < n; ++i) step(i, i - 1) = 1;
-  return Eigen::EigenSolver<Matrix>(step, false).eigenvalues().cwiseAbs().maxCoeff();
+  return spectral_radius(step);
 }
 
 // Root of z^(d+1) (z - 1) + beta (z + 1) / 2 on the unit circle, beta = B T / m. There z = exp(i a) with a (d
@@ -131,9 +143,9 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
   const auto num_joints = static_cast<Eigen::Index>(at.num_joints());
   Matrix K = Matrix::Zero(num_joints, num_joints), B = K;
   for (std::size_t i = 0; i < at.num_handles(); ++i) {
-    const FeedbackConfig gains = shown_at(scene, rig.tree.handles[i]);
-    K += at_joints(at.jacobian(i), gains.rotational_stiffness, gains.stiffness);
-    B += at_joints(at.jacobian(i), gains.rotational_damping, gains.damping);
+    const SpringParams gains = shown_at(scene, rig.tree.handles[i]);
+    K += at_joints(at.jacobian(i), gains.k_r, gains.k);
+    B += at_joints(at.jacobian(i), gains.g_r, gains.g);
   }
   if (K.isZero(0) && B.isZero(0)) return result;
 

@@ -45,12 +45,14 @@ class Session {
     std::vector<std::string> errors;
   };
   /// Makes a session without a device: the motion drives the core.
-  static Made make(const SceneConfig& scene, Motion motion);
+  static Made make(SceneConfig scene, Motion motion);
   /// Makes a session on these buses, which may still be closed but must be open before start().
   /// The motion then moves no body that has a handle of the device; its switches count.
   /// For a simulated device see platform/simulated/session.h.
-  static Made make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses);
-  static Made make(const SceneConfig& scene, Motion motion, DeviceParts device);
+  static Made make(SceneConfig scene, Motion motion, std::unique_ptr<RigLink> buses);
+  static Made make(SceneConfig scene, Motion motion, DeviceParts device);
+  Session(const Session&) = delete;  // the devices refer to scene_
+  Session& operator=(const Session&) = delete;
 
   /// Adds a device, which overwrites the samples of those before it. Call it before start(). The device must
   /// outlive the session. Allocates.
@@ -131,10 +133,10 @@ class Session {
   }
 
  private:
-  Session(const SceneConfig& scene, Motion motion);
+  Session(SceneConfig scene, Motion motion);
 
   /// device: null for none.
-  static Made build(const SceneConfig& scene, Motion motion, DeviceParts* device);
+  static Made build(SceneConfig scene, Motion motion, DeviceParts* device);
   void connect(DeviceParts device, std::vector<std::string>& errors);
 
   // stages of a period, in this order: see cycle()
@@ -151,7 +153,7 @@ class Session {
   void pass_missed_time() noexcept;
   double motion_time() const noexcept { return static_cast<double>(cycle_) * scene_.step; }
 
-  SceneConfig scene_;
+  const SceneConfig scene_;  // the only copy of a run: the devices refer to it
   Motion motion_;
   std::vector<std::size_t> driven_;  // bodies with a target
   JointCoordinatesOf joint_coordinates_;

@@ -20,42 +20,42 @@ void check_motion_of_joints(const SceneConfig& scene, const Motion& motion, bool
 
 }  // namespace
 
-Session::Session(const SceneConfig& scene, Motion motion)
-    : scene_(scene),
+Session::Session(SceneConfig scene, Motion motion)
+    : scene_(std::move(scene)),
       motion_(std::move(motion)),
-      driven_(driven_bodies(scene)),
-      joint_coordinates_(scene),
-      samples_(scene.bodies.size()),
-      F_hand_W_(scene.bodies.size()),
+      driven_(driven_bodies(scene_)),
+      joint_coordinates_(scene_),
+      samples_(scene_.bodies.size()),
+      F_hand_W_(scene_.bodies.size()),
       handed_(scene_, motion_),
-      phases_(scene.step) {
-  if (scene_.device && scene_.device->rig) scene_.device->rig = rig_of(scene);
+      phases_(scene_.step) {
   phases_.add(handed_);
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion) {
-  return build(scene, std::move(motion), nullptr);
+Session::Made Session::make(SceneConfig scene, Motion motion) {
+  return build(std::move(scene), std::move(motion), nullptr);
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion, std::unique_ptr<RigLink> buses) {
-  return make(scene, std::move(motion), DeviceParts{.buses = std::move(buses), .trackers = {}, .truth = {}});
+Session::Made Session::make(SceneConfig scene, Motion motion, std::unique_ptr<RigLink> buses) {
+  return make(std::move(scene), std::move(motion),
+              DeviceParts{.buses = std::move(buses), .trackers = {}, .truth = {}});
 }
 
-Session::Made Session::make(const SceneConfig& scene, Motion motion, DeviceParts device) {
-  return build(scene, std::move(motion), &device);
+Session::Made Session::make(SceneConfig scene, Motion motion, DeviceParts device) {
+  return build(std::move(scene), std::move(motion), &device);
 }
 
-Session::Made Session::build(const SceneConfig& scene, Motion motion, DeviceParts* device) {
+Session::Made Session::build(SceneConfig scene, Motion motion, DeviceParts* device) {
   Made made;
   const bool real = device != nullptr && !device->truth;
   check_motion_of_joints(scene, motion, real, made.errors);
   if (!made.errors.empty()) return made;
-  std::unique_ptr<Session> s(new Session(scene, std::move(motion)));
+  std::unique_ptr<Session> s(new Session(std::move(scene), std::move(motion)));
   s->real_ = real;
   for (std::size_t i = 0; i < s->driven_.size(); ++i)
     s->samples_[s->driven_[i]] = s->handed_.sample(std::min(i, s->motion_.num_bodies() - 1), 0);
-  if (grips_bodies(scene)) {
-    s->grip_.emplace(scene);
+  if (grips_bodies(s->scene_)) {
+    s->grip_.emplace(s->scene_);
     for (const std::size_t body : s->driven_) s->samples_[body].engaged = false;
   }
   s->handed_.write_joints(0, s->samples_);
@@ -63,13 +63,13 @@ Session::Made Session::build(const SceneConfig& scene, Motion motion, DevicePart
   if (!made.errors.empty()) return made;
 
   std::string why_not;
-  s->engine_ = make_engine(scene, s->samples_, why_not);
+  s->engine_ = make_engine(s->scene_, s->samples_, why_not);
   if (!s->engine_) {
     made.errors.push_back(why_not);
     return made;
   }
-  if (s->truth_) s->truth_->start(s->samples_);
-  s->swings_.emplace(scene, s->grip_ ? 1 : s->driven_.size());
+  if (s->truth_) s->truth_->start(s->scene_, s->samples_);
+  s->swings_.emplace(s->scene_, s->grip_ ? 1 : s->driven_.size());
   made.session = std::move(s);
   return made;
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/canopen/node_profile.h"
-#include "platform/scene/fault_checks.h"
+#include "platform/scene/toml.h"
 #include "platform/session/session.h"
 
 namespace godobject {
@@ -16,8 +16,7 @@ namespace godobject {
 struct SimulatedDevices {
   FaultChecks faults{};
   /// Makes a session on the simulated device of the scene. profiles: profiles of the simulated nodes.
-  Session::Made (*make_session)(const SceneConfig& scene, Motion motion,
-                                const RigProfiles& profiles) = nullptr;
+  Session::Made (*make_session)(SceneConfig scene, Motion motion, const RigProfiles& profiles) = nullptr;
   /// Makes the scene's tracker with a simulated far end at rest, for checks. Returns null with errors.
   std::unique_ptr<TrackerLink> (*make_resting_tracker)(const TrackerParams& params,
                                                        std::vector<std::string>& errors) = nullptr;

@@ -22,8 +22,8 @@ class Truth {
  public:
   virtual ~Truth() = default;
 
-  /// Starts with the samples of the session. Allocates.
-  virtual void start(std::span<const BodySample> samples) = 0;
+  /// Starts with the scene and the samples of the session. Allocates.
+  virtual void start(const SceneConfig& scene, std::span<const BodySample> samples) = 0;
   /// Advances to t before the session's record is written. Real-time.
   /// t: time of the motion, s. samples: as in the engine's step to t.
   virtual void step(double t, std::span<const BodySample> samples) noexcept = 0;

@@ -1,7 +1,7 @@
 // Checks of the scenes' [[fault]] tables by the simulated devices.
 #pragma once
 
-#include "platform/scene/fault_checks.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 

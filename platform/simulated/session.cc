@@ -56,7 +56,7 @@ std::unique_ptr<SimLink> make_rig(const SceneConfig& scene, const std::shared_pt
     errors.push_back(why_not);
     return nullptr;
   }
-  return std::make_unique<SimLink>(sim_rig_config(scene), hand, std::llround(scene.step * 1e9),
+  return std::make_unique<SimLink>(sim_rig_config(scene), scene.step, hand,
                                    gather_time(scene.step) / gather_polls, profiles);
 }
 
@@ -96,7 +96,7 @@ std::unique_ptr<TrackerLink> make_resting_tracker(const TrackerParams& params,
   return make_sim_tracker_link(params, simulated_rate_hz(params.protocol), 1, errors);
 }
 
-Session::Made make_simulated_session(const SceneConfig& scene, Motion motion, const RigProfiles& profiles) {
+Session::Made make_simulated_session(SceneConfig scene, Motion motion, const RigProfiles& profiles) {
   DeviceParts device;
   std::vector<std::string> errors = unplayable_faults(scene);
   const std::shared_ptr<const Hand> hand = hand_of(motion);
@@ -106,7 +106,7 @@ Session::Made make_simulated_session(const SceneConfig& scene, Motion motion, co
   if (!errors.empty()) return {.session = nullptr, .errors = errors};
   device.truth = std::make_unique<SimulatedTruth>(scene, hand, rig.get());
   device.buses = std::move(rig);
-  return Session::make(scene, std::move(motion), std::move(device));
+  return Session::make(std::move(scene), std::move(motion), std::move(device));
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::shared_ptr<const Hand> hand_of(Motion motion) { return std::make_shared<Mot
 
 SimRigConfig sim_rig_config(const SceneConfig& scene) {
   const std::vector<std::optional<std::size_t>> by_handle = driven_by_handles(scene);
-  return {.rig = rig_of(scene),
+  return {.rig = *scene.device->rig,
           .plant = scene.device->plant,
           .wire = scene.wire,
           .faults = scene.faults,
@@ -139,11 +139,10 @@ SimTrackersConfig sim_trackers_config(const SceneConfig& scene) {
   return config;
 }
 
-Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus,
-                           const RigProfiles& profiles) {
+Session::Made make_session(SceneConfig scene, Motion motion, BusChoice bus, const RigProfiles& profiles) {
   if (bus == BusChoice::direct || driven_bodies(scene).empty())
-    return Session::make(scene, std::move(motion));
-  return make_simulated_session(scene, std::move(motion), profiles);
+    return Session::make(std::move(scene), std::move(motion));
+  return make_simulated_session(std::move(scene), std::move(motion), profiles);
 }
 
 }  // namespace godobject

@@ -18,8 +18,7 @@ SimulatedDevices simulated_devices();
 
 /// Makes a session. bus: sim: the scene's device, simulated; direct: no device, the motion drives the core.
 /// profiles: profiles of the simulated nodes.
-Session::Made make_session(const SceneConfig& scene, Motion motion, BusChoice bus,
-                           const RigProfiles& profiles = {});
+Session::Made make_session(SceneConfig scene, Motion motion, BusChoice bus, const RigProfiles& profiles = {});
 
 /// Returns the motion as the hand that moves a simulated device.
 std::shared_ptr<const Hand> hand_of(Motion motion);

@@ -4,8 +4,7 @@ namespace godobject {
 
 SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const Hand> hand,
                                const SimLink* link)
-    : scene_(scene),
-      hand_(std::move(hand)),
+    : hand_(std::move(hand)),
       link_(link),
       driven_(driven_bodies(scene)),
       handle_(driven_.size()),
@@ -17,10 +16,10 @@ SimulatedTruth::SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const H
   joints_ = PrescribedSamples(scene);
 }
 
-void SimulatedTruth::start(std::span<const BodySample> samples) {
+void SimulatedTruth::start(const SceneConfig& scene, std::span<const BodySample> samples) {
   samples_.assign(samples.begin(), samples.end());
   std::string why_not;
-  engine_ = make_engine(scene_, samples_, why_not);
+  engine_ = make_engine(scene, samples_, why_not);
 }
 
 /// Returns the exact pose of the handle of this driven body; without a handle, the hand's target.
@@ -58,7 +57,7 @@ void SimulatedTruth::measure(const Followed& followed, CycleRecord& record) cons
 std::vector<double> SimulatedTruth::bus_load_percent() const {
   std::vector<double> loads;
   if (link_ != nullptr)
-    for (std::size_t i = 0; i < scene_.device->rig->buses.size(); ++i)
+    for (std::size_t i = 0; i < link_->rig().host_buses().size(); ++i)
       loads.push_back(link_->load_percent(i));
   return loads;
 }

@@ -18,7 +18,7 @@ class SimulatedTruth final : public Truth {
   /// alone.
   SimulatedTruth(const SceneConfig& scene, std::shared_ptr<const Hand> hand, const SimLink* link);
 
-  void start(std::span<const BodySample> samples) override;
+  void start(const SceneConfig& scene, std::span<const BodySample> samples) override;
   void step(double t, std::span<const BodySample> samples) noexcept override;
   void measure(const Followed& followed, CycleRecord& record) const noexcept override;
   bool reachable() const noexcept override { return link_ == nullptr || link_->rig().reachable(); }
@@ -27,7 +27,6 @@ class SimulatedTruth final : public Truth {
  private:
   Target target(std::size_t driven, double t) const noexcept;
 
-  SceneConfig scene_;
   std::shared_ptr<const Hand> hand_;
   const SimLink* link_;
   std::vector<std::size_t> driven_;                 // bodies

@@ -1,10 +1,10 @@
 #include "platform/trace/trace.h"
 
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/joint/kinds.h"
+#include "platform/scene/contact/params.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
-
 namespace {
 
 bool has_contacts(const SceneConfig& scene) { return contact_scope(scene) != ContactScope::none; }
@@ -42,6 +42,8 @@ void add_device_columns(const SceneConfig& scene, std::vector<std::string>& colu
 }
 
 }  // namespace
+
+// ---- run ------------------------------------------------------------------------------------------
 
 std::vector<std::string> trace_columns(const SceneConfig& scene) {
   std::vector<std::string> columns{"t"};
@@ -172,6 +174,49 @@ void TraceWriter::pose(const Pose& X) {
 void TraceWriter::wrench(const Wrench& F) {
   file_.vector(F.f);
   file_.vector(F.tau);
+}
+
+// ---- contacts -------------------------------------------------------------------------------------
+
+ContactTraceWriter::ContactTraceWriter(CsvRows rows, const SceneConfig& scene) : file_(std::move(rows)) {
+  for (const BodyConfig& body : scene.bodies) bodies_.push_back(body.name);
+  for (const ObstacleConfig& obstacle : scene.obstacles)
+    obstacles_.insert(obstacles_.end(), num_solids(obstacle), obstacle.name);
+  for (const NetRange& net : scene_nets(scene).nets) nodes_.insert(nodes_.end(), net.num_nodes, net.name);
+  file_.header({"t", "body", "on", "x", "y", "z", "nx", "ny", "nz", "fx", "fy", "fz"});
+}
+
+void ContactTraceWriter::rows(double t, std::span<const ContactView> contacts) {
+  for (const ContactView& contact : contacts) {
+    file_.number(t);
+    file_.text(contact.is_node ? nodes_[contact.a] : bodies_[contact.a]);
+    file_.text(contact.b == world ? obstacles_[contact.surface] : bodies_[contact.b]);
+    file_.vector(contact.p_W);
+    file_.vector(contact.n_W);
+    file_.vector(contact.F_W);
+    file_.end_row();
+  }
+}
+
+// ---- nodes of nets --------------------------------------------------------------------------------
+
+std::vector<std::string> net_trace_columns(const SceneNets& nets) {
+  std::vector<std::string> columns{"t"};
+  for (const NetRange& net : nets.nets)
+    for (std::size_t i = 0; i < net.num_nodes; ++i)
+      for (const char* axis : {".x", ".y", ".z"})
+        columns.push_back(net.name + "." + std::to_string(i) + axis);
+  return columns;
+}
+
+NetTraceWriter::NetTraceWriter(CsvRows rows, const SceneNets& nets) : file_(std::move(rows)) {
+  file_.header(net_trace_columns(nets));
+}
+
+void NetTraceWriter::row(double t, std::span<const Vec3> nodes) {
+  file_.number(t);
+  for (const Vec3& p_W : nodes) file_.vector(p_W);
+  file_.end_row();
 }
 
 }  // namespace godobject

@@ -1,5 +1,5 @@
-// Trace of a run as CSV, in the world frame, SI. Every number is printed so that the same double is read
-// back. Columns, in this order:
+// Traces of a run as CSV, in the world frame, SI: the run itself, its contacts, and the nodes of nets. Every
+// number is printed so that the same double is read back. Columns of the run itself, in this order:
 //   t
 //   per body                        <body>.x y z qw qx qy qz vx vy vz wx wy wz
 //   per driven body                 <body>.coupling.fx fy fz tx ty tz, <body>.feedback.fx .. tz
@@ -31,9 +31,11 @@
 
 #include "core/contact/contact.h"
 #include "core/net/net.h"
+#include "platform/engine/engine.h"
+#include "platform/scene/net/params.h"
 #include "platform/scene/scene.h"
+#include "platform/scene/text/csv.h"
 #include "platform/session/record.h"
-#include "platform/trace/csv_rows.h"
 
 namespace godobject {
 
@@ -111,5 +113,46 @@ std::vector<std::string> trace_columns(const SceneConfig& scene);
 /// Suffixes of the columns of a pose and of a wrench.
 inline constexpr std::array pose_columns{"x", "y", "z", "qw", "qx", "qy", "qz"};
 inline constexpr std::array wrench_columns{"fx", "fy", "fz", "tx", "ty", "tz"};
+
+// Contacts of a run: a row for each contact with a force in a step. Columns:
+//   t
+//   body, on      names; for a node the name of its net
+//   x y z         contact point
+//   nx ny nz      normal, pointing away from `on`
+//   fx fy fz      force on `body`
+
+/// Writer of contacts. Not for the real-time thread.
+class ContactTraceWriter {
+ public:
+  ContactTraceWriter(CsvRows rows, const SceneConfig& scene);
+
+  void rows(double t, std::span<const ContactView> contacts);
+  /// Writes buffered rows. Returns false if anything was not written.
+  [[nodiscard]] bool close() { return file_.close(); }
+
+ private:
+  CsvRows file_;
+  std::vector<std::string> bodies_, obstacles_,
+      nodes_;  // name of each body, of each surface of the world, of each node's net
+};
+
+// Positions of the nodes of nets: a row per frame, with t and for every node <net>.<number>.x y z. Numbers
+// are those of the net's surface, in the order of Engine::nets().
+
+/// Writer of nodes. Not for the real-time thread.
+class NetTraceWriter {
+ public:
+  NetTraceWriter(CsvRows rows, const SceneNets& nets);
+
+  void row(double t, std::span<const Vec3> nodes);
+  /// Writes buffered rows. Returns false if anything was not written.
+  [[nodiscard]] bool close() { return file_.close(); }
+
+ private:
+  CsvRows file_;
+};
+
+/// Returns the columns of the header line.
+std::vector<std::string> net_trace_columns(const SceneNets& nets);
 
 }  // namespace godobject

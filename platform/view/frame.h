@@ -1,19 +1,109 @@
-// Binary messages of the view, little-endian with a fixed layout (docs/view.md): frames of a period, and
-// messages of a page's pointer.
+// One period of a run for the view: copied out of the loop on request, and encoded as a frame. Frames and the
+// messages of a page's pointer are binary, little-endian with a fixed layout (docs/view.md).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hal/base/codec.h"
 #include "hal/joint/kinematic_tree.h"
-#include "platform/view/tap.h"
+#include "platform/session/session.h"
 
 namespace godobject {
+
+// Copies out of the loop.
+
+/// Latest value from one thread to another, on request: without a request the writer copies nothing.
+/// Both ends are wait-free. The one slot belongs to the reader until its request, then to the writer until
+/// give().
+template <class T>
+class Latest {
+  static_assert(std::atomic<bool>::is_always_lock_free);
+
+ public:
+  /// like: any value; later ones have storage of the same size, so that assigning does not allocate.
+  explicit Latest(const T& like) : value_(like) {}
+
+  /// For the writer: true if the slot is the writer's and must be filled.
+  bool wanted() const noexcept { return requested_.load(std::memory_order_acquire); }
+  /// For the writer, until give().
+  T& slot() noexcept { return value_; }
+  void give() noexcept { requested_.store(false, std::memory_order_release); }
+
+  /// For the reader: requests the next value. The result of get() belongs to the writer from here on.
+  void ask() noexcept {
+    any_ = true;
+    requested_.store(true, std::memory_order_release);
+  }
+  /// For the reader: returns the requested value; null while there is none.
+  const T* get() const noexcept {
+    return any_ && !requested_.load(std::memory_order_acquire) ? &value_ : nullptr;
+  }
+
+ private:
+  T value_;
+  bool any_ = false;  // the reader's
+  std::atomic<bool> requested_{false};
+};
+
+/// One period of a run, for the view.
+struct ViewSample {
+  CycleRecord record;
+  RunPhase phase = RunPhase::off;
+  bool missed_deadlines = false;  // latched
+  RigCounters counters;
+  Nanoseconds wake_ns = 0;            // longest wake-up latency since the previous sample
+  std::vector<ContactView> touching;  // storage for all contacts; the first num_touching are valid
+  std::size_t num_touching = 0;
+  std::vector<Vec3> net_nodes{};  // positions of the nodes of all nets
+};
+
+/// Copies the record of a period out of the loop on request. The loop's end is real-time: one atomic load
+/// without a request, else a copy without allocation.
+class ViewTap {
+ public:
+  explicit ViewTap(const Session& session) : latest_(like(session)) {}
+
+  /// For the loop, after each period. record: record of the last step so far.
+  void offer(const Session& session, const CycleRecord& record) noexcept {
+    if (!latest_.wanted()) return;
+    ViewSample& sample = latest_.slot();
+    sample.record = record;
+    sample.phase = session.phase();
+    sample.missed_deadlines = session.missed_deadlines();
+    sample.counters = session.rig_counters();
+    sample.wake_ns = std::exchange(wake_ns_, 0);
+    sample.num_touching = session.engine().contacts(sample.touching);
+    session.engine().net_nodes(sample.net_nodes);
+    latest_.give();
+  }
+  /// For the loop, before each period.
+  void woke(Nanoseconds latency) noexcept { wake_ns_ = std::max(wake_ns_, latency); }
+
+  /// For the view's thread.
+  void ask() noexcept { latest_.ask(); }
+  const ViewSample* get() const noexcept { return latest_.get(); }
+
+ private:
+  static ViewSample like(const Session& session) {
+    ViewSample sample{.record = session.at_start(), .counters = {}, .touching = {}};
+    sample.touching.resize(session.engine().composition().all_contacts());
+    sample.net_nodes.resize(session.engine().nets().nodes.size());
+    return sample;
+  }
+
+  Latest<ViewSample> latest_;
+  Nanoseconds wake_ns_ = 0;
+};
+
+// Messages.
 
 inline constexpr std::uint32_t frame_magic = 0x46564F47;    // "GOVF"
 inline constexpr std::uint32_t pointer_magic = 0x50564F47;  // "GOVP"

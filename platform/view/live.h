@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "platform/rt/clock.h"
-#include "platform/view/joint_pointer.h"
+#include "platform/view/drawing.h"
+#include "platform/view/frame.h"
 #include "platform/view/pointer.h"
-#include "platform/view/scene_json.h"
 #include "platform/view/server/server.h"
-#include "platform/view/tap.h"
 
 namespace godobject {
 

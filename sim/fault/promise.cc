@@ -79,12 +79,24 @@ std::string_view text_of(MotorsEnd motors) {
   return texts[static_cast<std::size_t>(motors)];
 }
 
+/// Returns the delay of a fault bit in most rows of the table.
+FaultDelay usual(RigFault fault) {
+  switch (fault) {
+    case sample_stale:
+    case drive_silent: return lost;
+    case heartbeat_lost: return heartbeat;
+    case sample_implausible: return votes;
+    case sensors_disagree: return travel;
+    default: return at_once;
+  }
+}
+
 std::string list(const FaultPromise& promise, bool always) {
   std::string out;
   for (const PromisedFault& promised : promise.faults) {
     if (promised.fault == RigFault::none || promised.always != always) continue;
     out += (out.empty() ? "`" : ", `") + std::string(godobject::text_of(promised.fault).name) + "`" +
-           (always ? " within " + text_of(promised.within) : "");
+           (always && promised.within != usual(promised.fault) ? " within " + text_of(promised.within) : "");
   }
   return out;
 }
@@ -93,9 +105,10 @@ std::string list(const FaultPromise& promise, bool always) {
 
 std::span<const FaultPromise> fault_promises() noexcept { return promises; }
 
-std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanoseconds duration_ns) noexcept {
+std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, double cycle_s,
+                                 Nanoseconds duration_ns) noexcept {
   const auto ns = [](double s) { return std::llround(1e9 * s); };
-  const Nanoseconds more_ns = ns(cycles_more(delay) * rig.cycle_s);
+  const Nanoseconds more_ns = ns(cycles_more(delay) * cycle_s);
   switch (delay) {
     case lost: return ns(rig.stale_after_s + std::max(rig.lost_after_s, rig.stale_after_s)) + more_ns;
     case heartbeat: return ns(rig.heartbeat_timeout_s) + more_ns;
@@ -109,13 +122,16 @@ std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanosec
 }
 
 std::string fault_promises_markdown() {
-  std::string out =
-      "| fault | rig faults | further rig faults possible | motors |\n"
-      "|---|---|---|---|\n";
+  std::string out;
+  for (const RigFault fault :
+       {sample_stale, drive_silent, heartbeat_lost, sample_implausible, sensors_disagree})
+    out += "- `" + std::string(godobject::text_of(fault).name) + "` within " + text_of(usual(fault)) + "\n";
+  out += "- others within " + text_of(at_once) + "\n\n";
   for (const FaultPromise& promise : promises) {
-    const std::string always = list(promise, true);
-    out += "| `" + std::string(promise.words) + "` | " + (always.empty() ? "nothing" : always) + " | " +
-           list(promise, false) + " | " + std::string(text_of(promise.motors)) + " |\n";
+    const std::string always = list(promise, true), possible = list(promise, false);
+    out += "- `" + std::string(promise.words) + "`: " + (always.empty() ? "nothing" : always) +
+           (possible.empty() ? "" : " (possibly " + possible + ")") + "; " +
+           std::string(text_of(promise.motors)) + "\n";
   }
   return out;
 }

@@ -47,10 +47,12 @@ struct FaultPromise {
 /// Returns the list: at least one entry per verb for buses and nodes.
 std::span<const FaultPromise> fault_promises() noexcept;
 
-/// Returns the bound of a delay, ns; nullopt for travel. duration_ns: duration of the injected fault.
-std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, Nanoseconds duration_ns) noexcept;
+/// Returns the bound of a delay, ns; nullopt for travel. cycle_s: period of the rig, s. duration_ns: duration
+/// of the injected fault.
+std::optional<Nanoseconds> bound(FaultDelay delay, const RigParams& rig, double cycle_s,
+                                 Nanoseconds duration_ns) noexcept;
 
-/// Returns the table of docs/faults.md in Markdown.
+/// Returns the list of docs/faults.md in Markdown.
 std::string fault_promises_markdown();
 
 }  // namespace godobject

@@ -61,7 +61,7 @@ std::span<const FaultVerbText, num_fault_verbs> fault_verb_texts() noexcept;
 const FaultVerbText& text_of(FaultVerb verb) noexcept;
 std::optional<FaultVerb> fault_verb_named(std::string_view name) noexcept;
 
-/// Returns the table of docs/faults.md in Markdown.
+/// Returns the list of docs/faults.md in Markdown.
 std::string fault_reference_markdown();
 
 }  // namespace godobject

@@ -6,13 +6,13 @@
 
 namespace godobject {
 
-/// Time advances only in its calls: begin_cycle() by one period since the previous one, wait() by one poll.
+/// Time advances only in its calls: begin_cycle() by one cycle since the previous one, wait() by one poll.
 class SimLink final : public RigLink {
  public:
-  /// SimRig::why_not() must be empty. Allocates; no other function does.
-  SimLink(const SimRigConfig& config, std::shared_ptr<const Hand> hand, Nanoseconds period, Nanoseconds poll,
+  /// SimRig::why_not() must be empty. cycle_s: s. Allocates; no other function does.
+  SimLink(const SimRigConfig& config, double cycle_s, std::shared_ptr<const Hand> hand, Nanoseconds poll,
           const RigProfiles& profiles = {})
-      : rig_(config, std::move(hand), profiles), period_ns_(period), poll_ns_(poll) {}
+      : rig_(config, cycle_s, std::move(hand), profiles), period_ns_(to_ns(cycle_s)), poll_ns_(poll) {}
 
   std::span<CanBus* const> buses() noexcept override { return rig_.host_buses(); }
   /// Runs the rest of the last period, including the mechanics up to its end.

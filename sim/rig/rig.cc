@@ -62,12 +62,9 @@ const std::optional<NodeProfile>& profile_of(const std::vector<std::optional<Nod
 }
 
 /// Returns the steps by which the host would set up the node.
-std::vector<SdoStep> steps_of(const std::optional<NodeProfile>& profile, const RigParams& rig,
-                              NodeSetup setup) {
+std::vector<SdoStep> steps_of(const std::optional<NodeProfile>& profile, double cycle_s, NodeSetup setup) {
   if (!profile) return {};
-  setup.host_node_id = rig.host_node_id;
-  setup.cycle_s = rig.cycle_s;
-  return commissioning_steps(*profile, setup);
+  return commissioning_steps(*profile, cycle_s, setup);
 }
 
 }  // namespace
@@ -81,8 +78,10 @@ std::string SimRig::why_not(const KinematicTreeParams& tree, const Hand& hand) {
          joints + "), or use --bus direct";
 }
 
-SimRig::SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, const RigProfiles& profiles)
+SimRig::SimRig(const SimRigConfig& config, double cycle_s, std::shared_ptr<const Hand> hand,
+               const RigProfiles& profiles)
     : params_(config.rig),
+      cycle_s_(cycle_s),
       hand_(std::move(hand)),
       tree_(params_.tree),
       ik_(params_.tree),
@@ -129,7 +128,7 @@ void SimRig::add_encoder(const EncoderParams& e, const std::optional<NodeProfile
   auto node = std::make_unique<SimEncoder>(port, e.node_id, e.calibration,
                                            heartbeat_period_ns(heartbeat_s, e.node_id));
   if (device) node->identify_as(device->identity);
-  node->store(steps_of(stored, params_, {.node_id = e.node_id}));
+  node->store(steps_of(stored, cycle_s_, {.node_id = e.node_id, .host_node_id = params_.host_node_id}));
   const std::size_t fault_node = faults_.add_node(e.bus, port, *node, e.calibration);
   buses_[e.bus]->nodes.push_back(node.get());
   encoders_.push_back({.node = std::move(node), .joint = joint_named(e.joint), .fault_node = fault_node});
@@ -139,9 +138,10 @@ void SimRig::add_drive(const DriveParams& d, const std::optional<NodeProfile>& d
                        const std::optional<NodeProfile>& stored, double heartbeat_s) {
   SimCanPort& port = add_port(d.bus);
   const NodeSetup setup{.node_id = d.node_id,
+                        .host_node_id = params_.host_node_id,
                         .torque_rated_Nm = d.torque_rated_Nm,
                         .status_every_nth_sync = d.status_every_nth_sync};
-  auto [node, motor] = make_drive(port, d, device, steps_of(stored, params_, setup),
+  auto [node, motor] = make_drive(port, d, device, steps_of(stored, cycle_s_, setup),
                                   heartbeat_period_ns(heartbeat_s, d.node_id));
   const std::size_t fault_node = faults_.add_node(d.bus, port, *node, d.calibration);
   buses_[d.bus]->nodes.push_back(node.get());

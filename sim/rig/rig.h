@@ -38,9 +38,10 @@ class SimRig {
   /// for all.
   static std::string why_not(const KinematicTreeParams& tree, const Hand& hand);
 
-  /// why_not() must be empty. profiles: set-up that the nodes have stored; without it, the host sets them up.
-  /// Allocates, as attach() does; no other function does.
-  SimRig(const SimRigConfig& config, std::shared_ptr<const Hand> hand, const RigProfiles& profiles = {});
+  /// why_not() must be empty. cycle_s: SYNC period of the host, s. profiles: set-up that the nodes have
+  /// stored; without it, the host sets them up. Allocates, as attach() does; no other function does.
+  SimRig(const SimRigConfig& config, double cycle_s, std::shared_ptr<const Hand> hand,
+         const RigProfiles& profiles = {});
   SimRig(const SimRig&) = delete;
   SimRig& operator=(const SimRig&) = delete;
 
@@ -120,6 +121,7 @@ class SimRig {
   void show_joints() noexcept;
 
   RigParams params_;
+  double cycle_s_;
   std::shared_ptr<const Hand> hand_;
   KinematicTree tree_;
   InverseKinematics ik_;

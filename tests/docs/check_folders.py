@@ -12,7 +12,7 @@ from verdict import verdict
 PAGE = "docs/architecture.md"
 LAYERS = ("core", "hal", "sim", "platform")
 NOT_CONTENTS = {"CMakeLists.txt"}
-LINE = re.compile(r"^\| `((?:core|hal|sim|platform)[\w/]*)` \| (\S.*) \| `([\w./-]+)` \|$", re.M)
+LINE = re.compile(r"^- `((?:core|hal|sim|platform)[\w/]*)` \(`([\w./-]+)`\): (\S.*)$", re.M)
 
 
 def folders_of(source):
@@ -23,14 +23,14 @@ def folders_of(source):
 
 def complaints(page, folders, exists):
     """Folders without a line, and lines whose folder or file does not exist. exists: function of a path."""
-    lines = {folder: first for folder, _, first in LINE.findall(page)}
+    lines = {folder: first for folder, first, _ in LINE.findall(page)}
     return ([f"{PAGE}: no line for the folder {folder}" for folder in sorted(folders - lines.keys())]
             + [f"{PAGE}: {folder}/{first} does not exist" for folder, first in sorted(lines.items())
                if not exists(f"{folder}/{first}")])
 
 
 def finds_its_own_example():
-    page = "| `core` | one step | `step.h` |\n| `hal/gone` | buses | `bus.h` |\n"
+    page = "- `core` (`step.h`): one step\n- `hal/gone` (`bus.h`): buses\n"
     return complaints(page, {"core", "sim/rig"}, lambda path: path == "core/step.h") == [
         f"{PAGE}: no line for the folder sim/rig", f"{PAGE}: hal/gone/bus.h does not exist"]
 

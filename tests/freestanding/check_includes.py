@@ -98,7 +98,7 @@ def check_rules():
                            ("sim", "platform/rt/clock.h"), ("sim", "tests/oracle/case/case.h"),
                            ("platform", "tests/study/study.h"), ("platform/session", "sim/rig/rig.h"),
                            ("platform/cli", "sim/rig/rig.h"), ("platform/session", "platform/simulated/session.h"),
-                           ("platform/cli", "platform/cli/simulate/options.h")]:
+                           ("platform/cli", "platform/cli/simulate/simulation.h")]:
         assert complaint(path(folder), header), (folder, header)
     for folder, header in [("core", "core/math/so3.h"), ("core", "Eigen/Core"), ("hal", "core/math/types.h"),
                            ("hal", "vector"), ("sim", "hal/can/bus.h"), ("platform/scene", "hal/rig/simulation.h"),

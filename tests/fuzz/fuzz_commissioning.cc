@@ -74,7 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Input in(data, size);
   NodeBus bus(in);
   CanBus* const buses[] = {&bus};
-  Commissioning commissioning(params, profiles, buses);
+  Commissioning commissioning(params, 1e-3, profiles, buses);
   {
     const fuzz::NoAllocation guard;
     for (Nanoseconds now = 0; !in.empty() && !commissioning.done();

@@ -1,7 +1,6 @@
 // Fault files, for a scene with two buses.
 #include <cstdlib>
 
-#include "platform/scene/fault_file.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "tests/fuzz/decode.h"

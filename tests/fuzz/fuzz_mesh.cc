@@ -2,8 +2,8 @@
 // only to existing vertices, and is passed to the checks of solids.
 #include <cstdlib>
 
+#include "platform/scene/contact/params.h"
 #include "platform/scene/mesh/file.h"
-#include "platform/scene/mesh/solid.h"
 #include "tests/fuzz/decode.h"
 #include "tests/support/mesh_files.h"
 

@@ -1,7 +1,7 @@
 // Device profiles.
 #include <cstdlib>
 
-#include "platform/scene/profile.h"
+#include "platform/scene/toml.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "platform/scene/toml.h"
-#include "platform/trace/nets.h"
 #include "platform/trace/trace.h"
 #include "platform/view/recorded/recording.h"
 #include "tests/fuzz/decode.h"

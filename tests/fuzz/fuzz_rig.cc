@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const RigParams params = hinge_with_encoder_and_drive();
   fuzz::TakingBus bus;
   CanBus* const buses[] = {&bus};
-  Rig rig(params, buses);
+  Rig rig(params, 1e-3, buses);
   fuzz::Input in(data, size);
   bus.in = &in;
   const fuzz::NoAllocation guard;

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "platform/view/frame.h"
-#include "platform/view/server/door.h"
+#include "platform/view/server/server.h"
 #include "tests/fuzz/decode.h"
 
 using namespace godobject;

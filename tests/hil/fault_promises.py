@@ -20,11 +20,13 @@ class Promise:
 
 
 def promises():
-    """Returns the rows of the table."""
+    """Returns the lines of the list."""
     table = DOCUMENT.read_text().partition(BEGIN)[2].partition(END)[0]
-    rows = [[cell.strip() for cell in line.strip("|\n").split("|")]
-            for line in table.splitlines() if line.startswith("| `")]
-    return [Promise(played.strip("`"), dict(re.findall(r"`(\w+)` within ([^,]+)", always)),
+    usual = dict(re.findall(r"^- `(\w+)` within (.+)$", table, re.M))
+    others = re.search(r"^- others within (.+)$", table, re.M)[1]
+    rows = re.findall(r"^- `([^`]+)`: (.+?)(?: \(possibly (.+)\))?; ([a-z ]+)$", table, re.M)
+    return [Promise(played, {name: time or usual.get(name, others)
+                             for name, time in re.findall(r"`(\w+)`(?: within ([^,]+))?", always)},
                     frozenset(re.findall(r"`(\w+)`", maybe)), motors)
             for played, always, maybe, motors in rows]
 

@@ -61,6 +61,8 @@ class Board {
   std::thread thread_;
 };
 
+constexpr double cycle_s = 2e-3;
+
 /// Test machines are slow at times, so limits are wide.
 RigParams two_encoders() {
   RigParams rig;
@@ -72,7 +74,6 @@ RigParams two_encoders() {
                             .node_id = node,
                             .calibration = {.counts_per_unit = counts_per_rad},
                             .max_speed = 1000});
-  rig.cycle_s = 2e-3;
   rig.stale_after_s = 0.5;
   rig.boot_timeout_s = 20;
   rig.heartbeat_timeout_s = 2;
@@ -84,9 +85,9 @@ class BoardBusTest : public testing::Test {
   void open() {
     std::vector<std::unique_ptr<LinuxBus>> buses;
     buses.push_back(std::make_unique<BoardBus>(board_->path(), BusSettings{}));
-    link_ = std::make_unique<LinuxLink>(std::move(buses), 2 * ms);
+    link_ = std::make_unique<LinuxLink>(std::move(buses), to_ns(cycle_s));
     ASSERT_TRUE(link_->bus(0).open()) << link_->bus(0).trouble();
-    rig_ = std::make_unique<Rig>(two_encoders(), link_->buses());
+    rig_ = std::make_unique<Rig>(params_, cycle_s, link_->buses());
   }
   void cycle() {
     const Nanoseconds now = link_->begin_cycle(0);
@@ -116,6 +117,7 @@ class BoardBusTest : public testing::Test {
 
   std::unique_ptr<Board> board_ = std::make_unique<Board>();
   std::unique_ptr<LinuxLink> link_;
+  const RigParams params_ = two_encoders();
   std::unique_ptr<Rig> rig_;
   DeviceSample sample_;
 };

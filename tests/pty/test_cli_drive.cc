@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include "platform/cli/drive/move.h"
+#include "platform/cli/drive/drive.h"
 #include "sim/node/drive.h"
 #include "tests/support/node_on_pty.h"
 #include "tests/support/program.h"

@@ -15,7 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "platform/linux/spacemouse_thread.h"
+#include "platform/linux/device_threads.h"
 #include "platform/scene/toml.h"
 #include "tests/support/program.h"
 

@@ -16,9 +16,8 @@
 #include <sstream>
 #include <thread>
 
-#include "platform/linux/spacemouse_thread.h"
-#include "platform/linux/tracker_thread.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/linux/device_threads.h"
+#include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 #include "tests/support/faulty_rig.h"
 #include "tests/support/run_over_ptys.h"

@@ -13,7 +13,6 @@
 #include <random>
 #include <thread>
 
-#include "platform/linux/bus/pty.h"
 #include "platform/linux/bus/slcan.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"

@@ -1,5 +1,5 @@
-#include "platform/cli/run/trackers.h"
-#include "platform/linux/tracker_thread.h"
+#include "platform/cli/run/devices.h"
+#include "platform/linux/device_threads.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -14,7 +14,7 @@ constexpr const char* interface_gone = "interface gone bus=can1";
 /// Reactions to the verbs and to the two interface faults. The controller of the wire is not the host's, so
 /// the host detects its faults by silence.
 std::vector<FaultReaction> reactions() {
-  std::vector<FaultReaction> out = fault_reactions(*two_joints().device->rig);
+  std::vector<FaultReaction> out = fault_reactions(*two_joints().device->rig, FaultyRig::period_s);
   for (FaultReaction& reaction : out)
     if (any(reaction.expected & RigFault::bus_down))
       reaction = {reaction.words, RigFault::sample_stale | RigFault::drive_silent, cycles_of_loss};

@@ -4,8 +4,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "platform/linux/bus/socket_can_frame.h"
-#include "platform/linux/can_link.h"
+#include "platform/linux/bus/socket_can.h"
 
 namespace godobject::test::test_link {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hal/rig/link.h"
-#include "platform/rig/filters.h"
+#include "platform/rig/buses.h"
 #include "sim/rig/rig.h"
 #include "tests/socketcan/can_test.h"
 
@@ -94,9 +94,9 @@ class VcanBus final : public CanBus {
 /// A link with the time of a SimLink.
 class VcanLink final : public RigLink {
  public:
-  VcanLink(const SimRigConfig& config, std::shared_ptr<const Hand> hand, Nanoseconds period, Nanoseconds poll,
+  VcanLink(const SimRigConfig& config, double cycle_s, std::shared_ptr<const Hand> hand, Nanoseconds poll,
            const RigProfiles& profiles)
-      : rig_(config, std::move(hand), profiles), period_ns_(period), poll_ns_(poll) {
+      : rig_(config, cycle_s, std::move(hand), profiles), period_ns_(to_ns(cycle_s)), poll_ns_(poll) {
     const std::vector<std::vector<CanFilter>> filters = rig_filters(config.rig);
     for (std::size_t i = 0; i < filters.size(); ++i) {
       vcans_.push_back(

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "platform/rt/machine.h"
+#include "platform/rt/setup.h"
 #include "tests/study/study.h"
 
 namespace godobject {

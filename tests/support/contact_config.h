@@ -33,7 +33,7 @@ inline ObstacleConfig obstacle_of(const std::string& name, ShapeKind kind) {
 inline ContactConfig default_contact(double stiffness) {
   ContactConfig contact;
   contact.materials = {default_material, default_material};
-  contact.stiffness = stiffness;
+  contact.law.k = contact.law.k_t = stiffness;
   return contact;
 }
 

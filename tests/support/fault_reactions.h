@@ -46,7 +46,7 @@ inline std::ostream& operator<<(std::ostream& out, const FaultReaction& reaction
   return out << reaction.words;
 }
 
-inline std::vector<FaultReaction> fault_reactions(const RigParams& rig) {
+inline std::vector<FaultReaction> fault_reactions(const RigParams& rig, double cycle_s) {
   std::vector<FaultReaction> out;
   for (const FaultPromise& promise : fault_promises()) {
     FaultReaction reaction{.words = words_for(promise, rig)};
@@ -57,10 +57,10 @@ inline std::vector<FaultReaction> fault_reactions(const RigParams& rig) {
       if (promised.fault == RigFault::none || !may_be_first) continue;
       reaction.expected = reaction.expected | promised.fault;
       if (promised.within == FaultDelay::duration) continue;  // never the first
-      const auto within_ns = bound(promised.within, rig, 0);
-      const int within =
-          within_ns ? static_cast<int>(std::lround(1e-9 * static_cast<double>(*within_ns) / rig.cycle_s))
-                    : cycles_of_travel;
+      const auto within_ns = bound(promised.within, rig, cycle_s, 0);
+      const int within = within_ns
+                             ? static_cast<int>(std::lround(1e-9 * static_cast<double>(*within_ns) / cycle_s))
+                             : cycles_of_travel;
       if (reaction.within == 0 || (promised.always && within < reaction.within)) reaction.within = within;
     }
     out.push_back(reaction);

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "hal/rig/rig.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "sim/rig/link.h"
@@ -109,12 +108,11 @@ inline std::string patient_toml() {
 inline SceneConfig two_joints() {
   LoadResult loaded = parse_scene(two_joints_toml, "two-joints");
   if (!loaded.scene) throw std::runtime_error(loaded.errors.front());
-  loaded.scene->device->rig->cycle_s = loaded.scene->step;
   return *loaded.scene;
 }
 
 inline RigProfiles profiles_of(const SceneConfig& scene) {
-  RigProfilesResult loaded = load_profiles(*scene.device->rig, "");
+  RigProfilesResult loaded = load_profiles(*scene.device->rig, scene.step, "");
   if (!loaded.errors.empty()) throw std::runtime_error(loaded.errors.front());
   return std::move(loaded.profiles);
 }
@@ -124,12 +122,13 @@ inline RigProfiles profiles_of(const SceneConfig& scene) {
 template <class Link>
 class FaultyRigOn {
  public:
+  static constexpr double period_s = 1e-3;
   static constexpr Nanoseconds period_ns = 1'000'000, poll_ns = 50'000, gather_ns = 750'000;
 
   explicit FaultyRigOn(const SceneConfig& config = two_joints())
       : scene(config),
-        link(sim_rig_config(scene), hand_of(Motion(scene)), period_ns, poll_ns, profiles_of(scene)),
-        rig(*scene.device->rig, link.buses()) {}
+        link(sim_rig_config(scene), period_s, hand_of(Motion(scene)), poll_ns, profiles_of(scene)),
+        rig(*scene.device->rig, period_s, link.buses()) {}
 
   void cycle() {
     t_sync_ns = link.begin_cycle(motion_time);

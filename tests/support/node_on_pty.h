@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "hal/canopen/canopen.h"
-#include "platform/linux/bus/pty.h"
+#include "platform/linux/bus/slcan.h"
 #include "platform/rt/clock.h"
 #include "tests/support/program.h"
 

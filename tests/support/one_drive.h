@@ -19,6 +19,7 @@ namespace godobject::test {
 class OneDrive {
  public:
   static constexpr Nanoseconds ms = 1'000'000;
+  static constexpr double cycle_s = 1e-3;
   static constexpr std::uint8_t id = 7;
   using Make = std::function<std::unique_ptr<SimNode>(CanBus&, const DriveParams&)>;
 
@@ -40,8 +41,8 @@ class OneDrive {
     node = make(*port, drive);
     nodes = {node.get()};
     std::array<CanBus*, 1> buses{&*host};
-    EXPECT_EQ(validate(params), std::vector<std::string>{});
-    rig = std::make_unique<Rig>(params, buses);
+    EXPECT_EQ(validate(params, cycle_s), std::vector<std::string>{});
+    rig = std::make_unique<Rig>(params, cycle_s, buses);
     advance(*wire, nodes, ms / 2);
     now = ms;
     advance(*wire, nodes, now);

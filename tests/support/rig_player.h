@@ -25,7 +25,7 @@ class RigPlayer {
   /// on_sync: called on the player's thread with the number of SYNCs on bus 0 so far.
   RigPlayer(const SceneConfig& scene, const Motion& motion,
             std::function<void(RigPlayer&, std::uint64_t)> on_sync = {})
-      : rig_(sim_rig_config(scene), hand_of(motion)),
+      : rig_(sim_rig_config(scene), scene.step, hand_of(motion)),
         cables(rig_.host_buses().size()),
         on_sync_(std::move(on_sync)) {
     got.resize(cables.size());

@@ -57,6 +57,7 @@ inline RigParams arm_rig_params() {
 class SimulatedRig {
  public:
   static constexpr Nanoseconds cycle_ns = 1'000'000;
+  static constexpr double cycle_s = 1e-9 * cycle_ns;
   static constexpr Nanoseconds deadline_ns = 700'000;  // after SYNC: the answers should have arrived
   static constexpr Nanoseconds heartbeat_ns = 100'000'000;
   static constexpr Nanoseconds watchdog_ns = 20'000'000;  // as in the profiles
@@ -86,7 +87,7 @@ class SimulatedRig {
                                                                          .defaults = defaults}));
       nodes[d.bus].push_back(drives.back().get());
     }
-    rig = std::make_unique<Rig>(params, hosts);
+    rig = std::make_unique<Rig>(params, cycle_s, hosts);
     // Nodes are switched on now; their heartbeats then fall 400 us after a SYNC, separate from the answers.
     advance_to(600'000);
     cycle_start_ns = now;

@@ -1,5 +1,5 @@
 // Access control: by host name, page and token.
-#include "platform/view/server/door.h"
+#include "platform/view/server/server.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // Keys and wheel in the page move the joints of an instrument: limits, staleness, ranges, one page at a time.
-#include "platform/view/joint_pointer.h"
+#include "platform/view/pointer.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
-#include "platform/view/pointer.h"
 #include "tests/support/allocation_guard.h"
 
 namespace godobject::test_joint_pointer {

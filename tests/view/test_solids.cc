@@ -1,5 +1,5 @@
 // The drawn solid of a body without shapes has the body's mass and inertia.
-#include "platform/view/solids.h"
+#include "platform/view/drawing.h"
 
 #include <gtest/gtest.h>
 

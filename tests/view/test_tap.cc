@@ -1,5 +1,5 @@
 // A view costs the loop only a copy of the record, and only on request.
-#include "platform/view/tap.h"
+#include "platform/view/frame.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -8,7 +8,7 @@
 #include <atomic>
 #include <thread>
 
-#include "platform/cli/run/cycle.h"
+#include "platform/cli/run/loop.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "platform/view/live.h"

@@ -1,16 +1,19 @@
-// One bus of this machine, for a verb that sends requests on it and waits for the answers.
+// One bus of this machine, for a verb that sends requests on it and waits for the answers. On it one CANopen
+// node is read and written by SDO, one transfer at a time, not in real time.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "platform/cli/verbs.h"
+#include "hal/canopen/sdo/client.h"
+#include "platform/cli/program.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/rt/last_resort.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 
@@ -49,6 +52,74 @@ class BusDialogue {
 
  private:
   std::unique_ptr<LinuxBus> bus_;
+};
+
+struct NodeOptions {
+  DialogueOptions dialogue;
+  int node = 1;
+  int host_node = 127;  // host_node_id of the scene
+
+  sdo::Client make_client() const { return sdo::Client(node_id(), dialogue.timeout_ns()); }
+  std::uint8_t node_id() const { return static_cast<std::uint8_t>(node); }
+};
+
+/// Adds --bus, --bit-rate, --timeout, --node and --host-node.
+void add_node_options(CLI::App& verb, NodeOptions& options);
+
+struct TypedObject {
+  canopen::ObjectAddress address{};
+  canopen::ObjectType type = canopen::ObjectType::u32;
+};
+
+/// SDO client of one node. Each call waits for the node's answer for at most --timeout.
+class NodeDialogue {
+ public:
+  explicit NodeDialogue(const NodeOptions& options) : options_(options), client_(options.make_client()) {}
+
+  /// Opens the bus and listens for half a second. If the bus cannot be opened, prints the reason to stderr
+  /// and returns its exit code.
+  ExitCode open();
+  /// Returns the traffic since open() that reveals another host on the bus; empty: none, or from this
+  /// program.
+  const std::string& host_seen() const { return host_seen_; }
+
+  /// Return none or false on failure; failure() has the reason.
+  std::optional<std::int64_t> read(const TypedObject& object);
+  std::optional<std::string> read_text(canopen::ObjectAddress address);
+  bool write(const TypedObject& object, std::int64_t value);
+  /// Returns the request that writes the value, for LastResort. Requires an open bus.
+  LastWords last_words(const TypedObject& object, std::int64_t value) const;
+  /// True if the last transfer failed because the node does not have the object.
+  bool was_absent() const;
+  /// Returns why the last transfer failed: object, cause, check to make; empty after a success.
+  const std::string& failure() const { return failure_; }
+  /// Prints failure() to stderr.
+  ExitCode report() const;
+
+  /// Sends a command of network management to this node alone.
+  void command(canopen::NmtCommand command);
+  /// Switches the host's heartbeat on or off. While on it is sent at once, then every 100 ms in each wait of
+  /// this class.
+  void send_heartbeats(bool on) {
+    heartbeats_ = on;
+    t_heartbeat_ns_ = 0;
+  }
+  void wait(Nanoseconds duration);
+  int node() const { return options_.node; }
+  int host_node() const { return options_.host_node; }
+
+ private:
+  bool transfer(canopen::ObjectAddress address, const std::string& what);
+  void on_frame(const CanFrame& frame);
+  void poll(Nanoseconds now, CanBus& bus);
+
+  const NodeOptions& options_;
+  BusDialogue bus_;
+  sdo::Client client_;
+  std::string failure_, host_seen_;
+  std::optional<CanFrame> to_send_;
+  bool heartbeats_ = false;
+  Nanoseconds t_heartbeat_ns_ = 0;
 };
 
 }  // namespace godobject

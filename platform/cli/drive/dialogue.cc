@@ -1,4 +1,4 @@
-#include "platform/cli/drive/dialogue.h"
+#include "platform/cli/drive/drive.h"
 
 #include <cstdio>
 

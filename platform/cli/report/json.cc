@@ -2,10 +2,9 @@
 #include <filesystem>
 
 #include "platform/cli/report/report.h"
-#include "platform/cli/report/warnings.h"
-#include "platform/rt/machine.h"
+#include "platform/rt/setup.h"
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject {
 namespace {

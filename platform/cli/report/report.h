@@ -1,4 +1,5 @@
-// Report of a run: one collection of facts, printed as the summary and written as report.json.
+// Report of a run: one collection of facts, printed as the summary and written as report.json, with the same
+// warnings.
 #pragma once
 
 #include <cstdio>
@@ -65,5 +66,14 @@ nlohmann::ordered_json to_json(const RunReport& report);
 void print_summary(std::FILE* out, const RunReport& report);
 /// Prints one line per fault.
 void print_faults(std::FILE* out, const std::vector<FaultReport>& faults);
+
+/// Returns in how many percent of the cycles the limit was active.
+double limit_percent(const RunStatistics& statistics, std::size_t limit) noexcept;
+
+/// Returns a warning if more than one cycle in a thousand took longer than its period; empty otherwise.
+std::string slow_scene_warning(const CyclicStatistics& timing, const Histogram& step_ns, double period_s);
+
+/// Returns the warnings of a run that has ended, each with its remedy.
+std::vector<std::string> run_warnings(const RunReport& report);
 
 }  // namespace godobject

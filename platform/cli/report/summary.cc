@@ -3,8 +3,6 @@
 
 #include <cinttypes>
 
-#include "platform/cli/report/warnings.h"
-
 namespace godobject {
 namespace {
 

@@ -10,10 +10,10 @@
 #include <thread>
 #include <utility>
 
-#include "platform/cli/report/status_line.h"
-#include "platform/rig/last_frames.h"
+#include "platform/cli/report/console.h"
+#include "platform/rig/bring_up.h"
 #include "platform/rt/clock.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {
@@ -150,7 +150,7 @@ class RealtimeRun {
     session_.start(usual_boot_limit_s);
     ended_ = false;
     std::optional<LastResort> last_resort;
-    if (real_) last_resort.emplace(last_words(real_->rig, real_->link));
+    if (real_) last_resort.emplace(last_words(real_->rig, real_->cycle_s, real_->link));
     std::promise<std::vector<RtStep>> thread_setup;
     std::thread thread;
     try {

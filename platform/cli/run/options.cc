@@ -1,21 +1,15 @@
 #include "platform/cli/run/options.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
-#include "platform/cli/run/spacemouse.h"
-#include "platform/cli/run/start_check.h"
+#include "platform/cli/run/devices.h"
 #include "platform/linux/bus/replay.h"
-#include "platform/linux/tracker_thread.h"
-#include "platform/rig/load_advice.h"
-#include "platform/rig/profiles.h"
+#include "platform/linux/device_threads.h"
+#include "platform/rig/bring_up.h"
+#include "platform/rig/buses.h"
 #include "platform/rt/clock.h"
 #include "platform/scene/text/key.h"
 #include "platform/scene/toml.h"
@@ -25,107 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_interface_name = 15;  // limit of candump's format
 constexpr double min_stale_steps = 3;
-
-struct NamedPath {
-  std::string option;
-  std::string path;
-};
-
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
-}
-
-fs::path folder_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-/// Returns why `path` cannot be written; empty if it can.
-std::string why_not_writable(const std::string& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return "is a directory";
-  fs::path folder = folder_of(path);
-  // make_folders() creates missing folders, but none in the root folder, where a missing one is a
-  // misspelling.
-  fs::path missing;
-  for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
-    missing = folder;
-  if (!missing.empty() && folder == folder.root_path())
-    return "cannot be written: create the missing folder '" + missing.string() + "'";
-  if (!fs::is_directory(folder, ignored))
-    return "cannot be written: '" + folder.string() + "' is not a folder";
-  const bool exists = fs::exists(path, ignored);
-  if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
-  return "cannot be written: " + std::generic_category().message(errno);
-}
-
-/// Checks that every output can be written, and that none overwrites an input or another output.
-void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
-  std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
-  for (const NamedPath& out :
-       {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
-        NamedPath{"--nets", options.files.nets}, NamedPath{"--record", options.files.record},
-        NamedPath{"--report", options.report}}) {
-    if (out.path.empty()) continue;
-    const std::string why_not = why_not_writable(out.path);
-    if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
-    for (const NamedPath& other : taken)
-      if (!other.path.empty() && same_file(out.path, other.path))
-        errors.push_back(out.option + ": '" + out.path + "' is also " + other.option + ": give another name");
-    taken.push_back(out);
-  }
-}
-
-/// Checks the options that depend on --view.
-void check_view(const RunOptions& options, std::vector<std::string>& errors) {
-  if (!options.view) {
-    if (options.view_input) errors.push_back("--view-input: requires --view: add it");
-    return;
-  }
-  if (!options.view_input) return;
-  if (options.fast) errors.push_back("--view-input: requires wall time: remove --fast");
-  if (!options.motion.empty())
-    errors.push_back("--view-input: the page's pointer replaces --motion: remove either");
-  if (!options.trackers.empty() ||
-      std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
-    errors.push_back(
-        "--view-input: the page's pointer replaces the device and its motors: remove --bus and --tracker");
-}
-
-bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
-
-void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
-                  std::vector<std::string>& errors) {
-  if (options.files.record.empty()) return;
-  if (options.view_input) {
-    errors.push_back("--record: with --view-input there is no bus to record: remove either");
-  } else if (!has_rig(scene)) {
-    errors.push_back("--record: scene '" + scene.name +
-                     "' describes no buses to record: remove --record, or add [[bus]] tables");
-  } else if (choice == BusChoice::direct) {
-    errors.push_back("--record: with --bus direct there is no bus to record: remove either");
-  } else {
-    for (const BusParams& bus : scene.device->rig->buses)
-      if (bus.name.size() > max_interface_name)
-        errors.push_back("--record: bus name '" + bus.name +
-                         "' is too long for a candump log: shorten it to at most " +
-                         std::to_string(max_interface_name) + " characters");
-  }
-}
-
-void check_contacts(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
-  if (!options.files.contacts.empty() && contact_scope(scene) == ContactScope::none)
-    errors.push_back("--contacts: nothing in scene '" + scene.name +
-                     "' can touch: give its bodies spheres, and obstacles or shapes to touch");
-}
-
-void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
-  if (!options.files.nets.empty() && scene.nets.empty())
-    errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
-}
 
 void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   if (!options.integrator.empty()) scene.integrator = options.integrator;
@@ -133,7 +27,6 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   scene.step = *options.step;
   if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
-  rig.cycle_s = scene.step;
   // Samples come once per step, so a longer step needs a longer stale time.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
@@ -145,28 +38,6 @@ std::optional<Motion> load_motion(const RunOptions& options, const SceneConfig& 
   append(run.errors, result.errors);
   append(run.warnings, result.notes);
   return std::move(result.motion);
-}
-
-void check_real_buses(const RunOptions& options, PreparedRun& run) {
-  if (run.buses.choice != BusChoice::real) {
-    if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
-      run.errors.push_back("--rearm: with --bus direct there is no device to arm: remove --rearm");
-    return;
-  }
-  if (run.buses.real.are_logs()) {
-    if (!options.trackers.empty())
-      run.errors.push_back(
-          "--tracker: a log runs in its own time, a real tracker in wall time: remove --tracker, or use a "
-          "bus other than replay:");
-    return;
-  }
-  if (options.fast)
-    run.errors.push_back(
-        "--fast: real buses and trackers run in wall time, not on a simulated clock: remove --fast");
-  if (!options.motion.empty())
-    run.notes.push_back(
-        "--motion: real buses and trackers measure the handles; this run reads only the switches of the "
-        "file");
 }
 
 std::string folder_of_scene(const RunOptions& options) {
@@ -196,7 +67,7 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
 }
 
 /// Makes the session on logs, in the time of the logs.
-Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, PreparedRun& run) {
+Session::Made make_session_on_logs(SceneConfig scene, Motion motion, PreparedRun& run) {
   auto link = std::make_unique<LogLink>(*scene.device->rig, to_ns(scene.step));
   std::vector<LogSource> sources;
   for (const BusAddress& bus : run.buses.real.addresses) {
@@ -206,24 +77,23 @@ Session::Made make_session_on_logs(const SceneConfig& scene, Motion motion, Prep
   if (const std::string why_not = link->read(sources); !why_not.empty())
     return {.session = nullptr, .errors = {"--bus: " + why_not}};
   run.log = run.plan.log = link.get();
-  return Session::make(scene, std::move(motion), std::move(link));
+  return Session::make(std::move(scene), std::move(motion), std::move(link));
 }
 
 /// Makes the session on the planned buses and trackers, whose threads are running then.
-Session::Made make_session(const RunOptions& options, const SceneConfig& scene, Motion motion,
-                           PreparedRun& run) {
+Session::Made make_session(const RunOptions& options, SceneConfig scene, Motion motion, PreparedRun& run) {
   if (run.buses.choice == BusChoice::direct ||
       (run.buses.choice == BusChoice::sim && driven_bodies(scene).empty()))
-    return Session::make(scene, std::move(motion));
+    return Session::make(std::move(scene), std::move(motion));
   if (run.buses.choice == BusChoice::sim) {
     if (options.simulated.make_session != nullptr)
-      return options.simulated.make_session(scene, std::move(motion), run.profiles);
+      return options.simulated.make_session(std::move(scene), std::move(motion), run.profiles);
     return {
         .session = nullptr,
         .errors = {
             "this build has no simulated devices (GODOBJECT_SIM=OFF): give --bus ADDRESS or --bus direct"}};
   }
-  if (run.buses.real.are_logs()) return make_session_on_logs(scene, std::move(motion), run);
+  if (run.buses.real.are_logs()) return make_session_on_logs(std::move(scene), std::move(motion), run);
   DeviceParts device{.buses = nullptr,
                      .trackers = {},
                      .clock = []() noexcept { return MonotonicClock{}.now(); },
@@ -234,7 +104,7 @@ Session::Made make_session(const RunOptions& options, const SceneConfig& scene, 
     device.buses = std::move(link);
   }
   if (!options.trackers.empty()) device.trackers = make_trackers(options, scene, run);
-  return Session::make(scene, std::move(motion), std::move(device));
+  return Session::make(std::move(scene), std::move(motion), std::move(device));
 }
 
 /// Returns the prefix of an error about the scene, with --step if only this step is invalid.
@@ -243,25 +113,52 @@ std::string blamed(const RunOptions& options, bool step_is_to_blame) {
   return options.scene + ": with --step " + shortest(*options.step) + ": ";
 }
 
-std::vector<BusLoad> loads_of(const RigParams& rig) { return bus_load(rig, usual_load(rig)); }
+bool is_rig_valid(const SceneConfig& scene) {
+  return has_rig(scene) && validate(*scene.device->rig, scene.step).empty();
+}
 
-void check_bus_loads(const RunOptions& options, const RigParams& rig, const RigParams& rig_of_scene,
+std::vector<BusLoad> loads_of(const SceneConfig& scene) {
+  const RigParams& rig = *scene.device->rig;
+  return bus_load(rig, scene.step, usual_load(rig));
+}
+
+/// Properties of the rig with the step of the scene file, without --step.
+struct RigOfFile {
+  bool is_valid = false;
+  std::vector<BusLoad> loads{};  // empty without a rig
+};
+
+void check_bus_loads(const RunOptions& options, const SceneConfig& scene, const RigOfFile& of_file,
                      PreparedRun& run) {
-  run.bus_loads = loads_of(rig);
-  const std::vector<BusLoad> loads_of_scene = loads_of(rig_of_scene);
+  run.bus_loads = loads_of(scene);
   for (std::size_t i = 0; i < run.bus_loads.size(); ++i) {
     const BusLoad& load = run.bus_loads[i];
     if (!is_overloaded(load)) continue;
-    run.errors.push_back(blamed(options, options.step && !is_overloaded(loads_of_scene[i])) +
+    run.errors.push_back(blamed(options, options.step && !is_overloaded(of_file.loads[i])) +
                          load_advice(load));
   }
+}
+
+/// Adds the pointer of the page or the SpaceMouse, as the options demand.
+void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
+  const SceneConfig& scene = session.scene();
+  const auto now = []() noexcept { return MonotonicClock{}.now(); };
+  if (options.view_input && scene.device->unmeasured_tree) {
+    run.joint_pointer = std::make_unique<JointPointer>(scene, now);
+    session.add(*run.joint_pointer);
+  } else if (options.view_input) {
+    run.pointer = std::make_unique<PointerDevice>(scene, now);
+    session.add(*run.pointer);
+  }
+  if (!options.spacemouse) return;
+  run.spacemouse = std::make_unique<SpaceMouse>(scene, now);
+  session.add(*run.spacemouse);
 }
 
 /// Computes passivity at the start of the motion, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
-  const bool on_buses = run.buses.choice != BusChoice::direct && has_rig(scene);
-  if (!on_buses || !validate(*scene.device->rig).empty()) return;
+  if (run.buses.choice == BusChoice::direct || !is_rig_valid(scene)) return;
   run.passivity = passivity(scene, joints_at_start(scene, motion));
   for (const std::string& warning : passivity_warnings(run.passivity))
     if (options.strict) run.errors.push_back(options.scene + ": --strict: " + warning);
@@ -269,17 +166,6 @@ void check_passivity(const RunOptions& options, const SceneConfig& scene, const 
 }
 
 }  // namespace
-
-std::string make_folders(const RunOptions& options) {
-  for (const std::string& path : {options.files.trace, options.files.contacts, options.files.nets,
-                                  options.files.record, options.report}) {
-    std::error_code error;
-    if (path.empty() || fs::exists(folder_of(path), error)) continue;
-    if (!fs::create_directories(folder_of(path), error) && error)
-      return "'" + folder_of(path).string() + "' cannot be created: " + error.message();
-  }
-  return "";
-}
 
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
@@ -289,8 +175,9 @@ PreparedRun prepare(const RunOptions& options) {
   check_outputs(options, run.errors);
   if (!loaded.scene) return run;
 
-  const SceneConfig scene_of_file = *loaded.scene;
   SceneConfig& scene = *loaded.scene;
+  RigOfFile of_file{.is_valid = is_rig_valid(scene)};
+  if (has_rig(scene)) of_file.loads = loads_of(scene);
   check_view(options, run.errors);
   check_spacemouse(options, scene, run);
   if (options.view_input) lead_by_pointer(scene);
@@ -299,9 +186,7 @@ PreparedRun prepare(const RunOptions& options) {
   else run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
-  check_record(options, run.buses.choice, scene, run.errors);
-  check_contacts(options, scene, run.errors);
-  check_nets(options, scene, run.errors);
+  check_recorded(options, run.buses.choice, scene, run.errors);
   apply_overrides(options, scene);
   if (has_rig(scene)) run.profiles = checked_profiles(scene, options.scene, run.errors);
   std::optional<Motion> motion = load_motion(options, scene, run);
@@ -319,25 +204,14 @@ PreparedRun prepare(const RunOptions& options) {
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);
-  Session::Made made = make_session(options, scene, *std::move(motion), run);
-  const bool only_with_step = options.step && has_rig(scene) && !validate(*scene.device->rig).empty() &&
-                              validate(*scene_of_file.device->rig).empty();
-  if (made.session && options.view_input && scene.device->unmeasured_tree) {
-    run.joint_pointer =
-        std::make_unique<JointPointer>(scene, []() noexcept { return MonotonicClock{}.now(); });
-    made.session->add(*run.joint_pointer);
-  } else if (made.session && options.view_input) {
-    run.pointer = std::make_unique<PointerDevice>(scene, []() noexcept { return MonotonicClock{}.now(); });
-    made.session->add(*run.pointer);
-  }
-  if (made.session && options.spacemouse) {
-    run.spacemouse = std::make_unique<SpaceMouse>(scene, []() noexcept { return MonotonicClock{}.now(); });
-    made.session->add(*run.spacemouse);
-  }
+  const bool only_with_step = options.step && has_rig(scene) && !is_rig_valid(scene) && of_file.is_valid;
+  Session::Made made = make_session(options, *std::move(loaded.scene), *std::move(motion), run);
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
-  if (made.session) check_start(*made.session, options.scene, run.warnings, run.errors);
-  if (made.session && made.session->rig())
-    check_bus_loads(options, *scene.device->rig, *scene_of_file.device->rig, run);
+  if (made.session) {
+    add_hand(options, *made.session, run);
+    check_start(*made.session, options.scene, run.warnings, run.errors);
+    if (made.session->rig()) check_bus_loads(options, made.session->scene(), of_file, run);
+  }
   if (run.errors.empty()) run.session = std::move(made.session);
   return run;
 }

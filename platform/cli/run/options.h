@@ -10,14 +10,13 @@
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/bus_load.h"
 #include "platform/cli/report/files.h"
-#include "platform/cli/run/buses.h"
-#include "platform/cli/run/cycle.h"
-#include "platform/cli/run/trackers.h"
-#include "platform/linux/spacemouse_thread.h"
+#include "platform/cli/run/devices.h"
+#include "platform/cli/run/loop.h"
+#include "platform/linux/device_threads.h"
 #include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
+#include "platform/session/session.h"
 #include "platform/session/simulated_devices.h"
-#include "platform/view/joint_pointer.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {
@@ -49,7 +48,7 @@ struct PreparedRun {
   std::unique_ptr<PointerDevice> pointer;               // with --view-input; else null
   std::unique_ptr<JointPointer> joint_pointer;          // instead of `pointer`, if pages move joints
   std::unique_ptr<SpaceMouse> spacemouse;               // with --spacemouse; else null
-  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/spacemouse.h
+  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/devices.h
   std::unique_ptr<Session> session;                     // null if there are errors
   RunPlan plan;
   BusPlan buses;
@@ -65,7 +64,37 @@ struct PreparedRun {
 
 PreparedRun prepare(const RunOptions& options);
 
+/// True if the scene has a device on buses.
+inline bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
+
+// Checks of prepare(), in checks.cc.
+
+/// Checks that every output can be written, and that none overwrites an input or another output.
+void check_outputs(const RunOptions& options, std::vector<std::string>& errors);
+
 /// Creates missing folders of the outputs. Returns why one cannot be created; empty on success.
 std::string make_folders(const RunOptions& options);
+
+/// Checks the options that depend on --view.
+void check_view(const RunOptions& options, std::vector<std::string>& errors);
+
+/// Checks that the scene has the buses, contacts and nets that the options record.
+void check_recorded(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
+                    std::vector<std::string>& errors);
+
+/// Checks the options that depend on real buses, trackers and logs.
+void check_real_buses(const RunOptions& options, PreparedRun& run);
+
+/// Checks the distance of each body from its target at the start, since the coupling would fling it there.
+/// Warns above 0.1 m or 0.5 rad; fails above 1 m or 3 rad, of which millimetres or degrees are the usual
+/// cause. Does nothing on real buses, whose device reports its pose later.
+/// file: name of the scene in messages.
+void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
+                 std::vector<std::string>& errors);
+
+/// Warns of a motion whose target is faster than a hand.
+/// duration: duration of the run, s.
+void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,
+                 std::vector<std::string>& warnings);
 
 }  // namespace godobject

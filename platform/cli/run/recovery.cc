@@ -1,4 +1,5 @@
-#include "platform/cli/run/recovery.h"
+// Recovery between two loops: with --rearm auto, after a fault.
+#include "platform/cli/run/loop.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
-#include "platform/cli/simulate/control.h"
+// Commands to a running simulation.
+#include "platform/cli/simulate/simulation.h"
 
 #include <fcntl.h>
 #include <unistd.h>

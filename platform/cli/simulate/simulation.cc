@@ -1,11 +1,14 @@
 #include "platform/cli/simulate/simulation.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "hal/canopen/canopen.h"
 #include "hal/drive/link.h"
+#include "platform/linux/serial_port.h"
 #include "platform/simulated/session.h"
 
 namespace godobject {
@@ -18,6 +21,61 @@ constexpr Nanoseconds tracker_poll_ns = 1'000'000;
 double seconds(Nanoseconds t) noexcept { return 1e-9 * static_cast<double>(t); }
 
 }  // namespace
+
+bool BusBridge::try_take(CanFrame& frame) noexcept {
+  ReceivedFrame received;
+  if (!bus_.try_receive(received)) return false;
+  frame = received.frame;
+  ++counters_.from_bus;
+  return true;
+}
+
+void BusBridge::deliver(const CanFrame& frame) noexcept {
+  if (port_.try_send(frame) != SendResult::queued) ++counters_.refused;
+}
+
+void BusBridge::forward(Nanoseconds now) noexcept {
+  for (;;) {
+    if (!waiting_) {
+      ReceivedFrame received;
+      if (!port_.try_receive(received)) return;
+      waiting_ = received.frame;
+      t_waiting_ns_ = now;
+    }
+    const SendResult result = bus_.try_send(*waiting_);
+    if (result == SendResult::full && now - t_waiting_ns_ < patience_ns) return;
+    ++(result == SendResult::queued ? counters_.to_bus : counters_.dropped);
+    waiting_.reset();
+  }
+}
+
+TrackerLine::~TrackerLine() {
+  if (slave_fd_ >= 0) close(slave_fd_);
+}
+
+std::string TrackerLine::open() {
+  const Pty pty = make_pty();
+  if (!pty.why.empty()) return pty.why;
+  slave_fd_ = pty.slave;
+  port_.adopt(pty.master, pty.name);
+  return "";
+}
+
+void TrackerLine::step(Nanoseconds now) noexcept {
+  std::array<std::uint8_t, 512> in{};
+  while (const std::size_t size = port_.read(in)) {
+    num_received_ += size;
+    far_->receive({in.data(), size}, now);
+  }
+  far_->advance(now);
+  for (;;) {
+    if (unsent_.empty()) unsent_ = {out_.data(), far_->transmit(out_, now)};
+    if (unsent_.empty()) return;
+    const std::size_t taken = port_.write(unsent_);
+    unsent_ = unsent_.subspan(taken);
+    if (taken == 0) return;
+  }
+}
 
 Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, const Motion& motion,
                        std::vector<OfferedBus> buses, bool motion_waits_for_sync,
@@ -32,7 +90,7 @@ Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, con
   if (scene.device->rig) {
     SimRigConfig config = sim_rig_config(scene);
     config.devices = devices;
-    rig_.emplace(config, hand);
+    rig_.emplace(config, scene.step, hand);
   }
   for (const OfferedBus& offered : buses_) {
     SimCanPort& port = offered.is_tap ? rig_->attach(offered.wire) : rig_->host_port(offered.wire);

@@ -1,22 +1,95 @@
 // A simulated device in wall time: a rig with real buses at the host's end of its wires, trackers on
-// pseudo-terminals.
+// pseudo-terminals. Commands to it, one per line, are each answered by one line of JSON.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "platform/cli/simulate/bridge.h"
-#include "platform/cli/simulate/tracker_line.h"
+#include "platform/linux/bus/bus.h"
+#include "platform/linux/serial_port.h"
 #include "platform/motion/motion.h"
+#include "sim/bus/can_bus.h"
 #include "sim/rig/rig.h"
+#include "sim/tracker/tracker.h"
 #include "sim/tracker/trackers.h"
 
 namespace godobject {
+
+struct BridgeCounters {
+  std::uint64_t from_bus = 0;  // frames received from the real bus
+  std::uint64_t to_bus = 0;    // frames sent to it
+  std::uint64_t refused = 0;   // frames from the bus refused by the port: queue full or bus-off
+  std::uint64_t dropped = 0;   // frames for the bus dropped: it was down, or full for `patience_ns`
+};
+
+/// Carries frames both ways between a real bus and a port on a simulated wire.
+class BusBridge {
+ public:
+  /// Longest wait of a frame for a bus with a full transmit queue.
+  static constexpr Nanoseconds patience_ns = 20'000'000;
+
+  /// bus, port: open; they outlive the bridge.
+  BusBridge(LinuxBus& bus, SimCanPort& port) noexcept : bus_(bus), port_(port) {}
+
+  /// Receives the next frame of the real bus, which deliver() passes on.
+  [[nodiscard]] bool try_take(CanFrame& frame) noexcept;
+  /// Sends the frame on the simulated wire.
+  void deliver(const CanFrame& frame) noexcept;
+  /// Sends the frames received by the port on the real bus.
+  void forward(Nanoseconds now) noexcept;
+
+  const BridgeCounters& counters() const noexcept { return counters_; }
+  LinuxBus& bus() const noexcept { return bus_; }
+
+ private:
+  LinuxBus& bus_;
+  SimCanPort& port_;
+  std::optional<CanFrame> waiting_;  // waits while the bus is full
+  Nanoseconds t_waiting_ns_ = 0;     // start of the wait
+  BridgeCounters counters_;
+};
+
+/// A simulated tracker on a pseudo-terminal, equal to a real one for a host.
+class TrackerLine {
+ public:
+  explicit TrackerLine(std::string name, std::unique_ptr<SimTracker> far)
+      : name_(std::move(name)), far_(std::move(far)) {}
+  ~TrackerLine();
+  TrackerLine(const TrackerLine&) = delete;
+  TrackerLine& operator=(const TrackerLine&) = delete;
+
+  /// Returns why there is no pseudo-terminal; empty on success.
+  std::string open();
+  /// Passes the host's bytes to the tracker, and its bytes to the host. Bytes that are not read wait, and are
+  /// lost once the queue is full.
+  void step(Nanoseconds now) noexcept;
+
+  const std::string& name() const noexcept { return name_; }
+  const std::string& path() const noexcept { return port_.path(); }
+  int descriptor() const noexcept { return port_.descriptor(); }
+  SimTracker& far() noexcept { return *far_; }
+  const SimTracker& far() const noexcept { return *far_; }
+  /// Returns the number of bytes received from the host.
+  std::uint64_t num_received() const noexcept { return num_received_; }
+
+ private:
+  std::string name_;
+  std::unique_ptr<SimTracker> far_;
+  SerialPort port_;
+  int slave_fd_ = -1;
+  std::array<std::uint8_t, 512> out_{};
+  std::span<const std::uint8_t> unsent_{};  // part of out_
+  std::uint64_t num_received_ = 0;
+};
 
 /// One bus of the scene and the address at which it is offered.
 struct OfferedBus {
@@ -89,6 +162,33 @@ class Simulation {
   Nanoseconds t_sync_ns_ = 0;               // time of the latest SYNC
   std::optional<Nanoseconds> t_motion_ns_;  // start of the motion
   std::uint64_t syncs_ = 0;
+};
+
+/// Executes "fault VERB key=value ...", "clear", "status" or "quit", and returns the answer. Allocates.
+/// quit: set by the command of that name.
+std::string answer(std::string_view command, Simulation& simulation, bool& quit);
+
+/// Reads whole lines from a descriptor without blocking, which it sets for the descriptor during its life.
+class LineInput {
+ public:
+  explicit LineInput(int descriptor) noexcept;
+  ~LineInput();
+  LineInput(const LineInput&) = delete;
+  LineInput& operator=(const LineInput&) = delete;
+
+  static constexpr std::size_t max_line = 1001;  // bytes
+
+  /// Returns false if no line is complete yet. Of a longer line it returns the first max_line bytes or more,
+  /// once.
+  [[nodiscard]] bool try_line(std::string& line);
+  /// Returns -1 after the end of input.
+  int descriptor() const noexcept { return ended_ ? -1 : descriptor_; }
+
+ private:
+  int descriptor_;
+  int former_flags_;
+  bool ended_ = false, skips_ = false;
+  std::string text_;
 };
 
 }  // namespace godobject

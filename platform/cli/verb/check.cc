@@ -1,22 +1,47 @@
 // godobject check: validates a scene and prints its properties, without moving anything.
+// godobject bus-load: checks that the buses of a scene can carry its messages.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 
-#include "platform/cli/bus/load_text.h"
+#include <nlohmann/json.hpp>
+
+#include "hal/rig/validate.h"
 #include "platform/cli/check_text.h"
+#include "platform/cli/program.h"
 #include "platform/cli/run/options.h"
-#include "platform/cli/time_to_zero.h"
-#include "platform/cli/verbs.h"
-#include "platform/rig/load_advice.h"
+#include "platform/rig/buses.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/contact/spheres_alone.h"
 #include "platform/scene/toml.h"
-#include "platform/scene/top_speed.h"
 
 namespace godobject {
 namespace {
+
+/// Prints every message of the bus, by priority.
+void print_bus_load(std::FILE* out, const BusLoad& load) {
+  std::fprintf(out, "\n# bus %s: %.1f %% nominal, %.1f %% worst case\n", load.bus.c_str(),
+               load.nominal_percent, load.worst_percent);
+  std::fprintf(out, "#   %-32s %6s %10s %8s %6s\n", "message", "id", "period ms", "bits", "worst");
+  for (const BusMessage& m : load.messages)
+    std::fprintf(out, "#   %-32s  0x%03X %10g %8d %6d\n", m.name.c_str(), static_cast<unsigned>(m.cob_id),
+                 1e3 * m.period_s, m.nominal_bits, m.worst_bits);
+}
+
+nlohmann::ordered_json to_json(const BusLoad& load) {
+  nlohmann::ordered_json messages = nlohmann::ordered_json::array();
+  for (const BusMessage& m : load.messages)
+    messages.push_back({{"name", m.name},
+                        {"cob_id", m.cob_id},
+                        {"period_s", m.period_s},
+                        {"nominal_bits", m.nominal_bits},
+                        {"worst_bits", m.worst_bits}});
+  return {{"bus", load.bus},
+          {"nominal_percent", load.nominal_percent},
+          {"worst_percent", load.worst_percent},
+          {"messages", messages}};
+}
 
 void print_composition(const Composition& c) {
   std::printf("\n# composition '%s': the smallest compiled one that covers the scene\n", c.name.c_str());
@@ -119,7 +144,7 @@ void print_all(const PreparedRun& prepared) {
   print_top_speed(scene);
   if (scene.device && scene.device->rig) {
     std::puts("");
-    for (const std::string& line : time_to_zero_lines(*scene.device->rig, prepared.profiles))
+    for (const std::string& line : time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles))
       std::puts(line.c_str());
   }
   print_passivity(prepared.passivity);
@@ -155,6 +180,53 @@ ExitCode check(RunOptions options, bool full) {
   return ExitCode::ok;
 }
 
+struct BusLoadOptions {
+  std::string scene;
+  bool json = false;
+  bool allow_overload = false;
+  FaultChecks faults{};  // simulation of the program
+};
+
+/// Loads a scene with a valid rig; none after printing the errors.
+std::optional<SceneConfig> load_rig(const std::string& path, const FaultChecks& checks) {
+  LoadResult loaded = load_scene(path, checks);
+  for (const std::string& warning : loaded.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
+  for (const std::string& error : loaded.errors) std::fprintf(stderr, "%s\n", error.c_str());
+  if (!loaded.scene) return std::nullopt;
+  if (!loaded.scene->device || !loaded.scene->device->rig) {
+    std::fprintf(stderr, "%s: the scene describes no buses; add [[bus]] tables, encoders and joints\n",
+                 path.c_str());
+    return std::nullopt;
+  }
+  const std::vector<std::string> errors = validate(*loaded.scene->device->rig, loaded.scene->step);
+  for (const std::string& error : errors) std::fprintf(stderr, "%s: %s\n", path.c_str(), error.c_str());
+  return errors.empty() ? std::move(loaded.scene) : std::nullopt;
+}
+
+ExitCode show_bus_load(const BusLoadOptions& options) {
+  const std::optional<SceneConfig> scene = load_rig(options.scene, options.faults);
+  if (!scene) return ExitCode::usage;
+  const RigParams& rig = *scene->device->rig;
+  const std::vector<BusLoad> loads = bus_load(rig, scene->step, usual_load(rig));
+  if (options.json) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const BusLoad& load : loads) json.push_back(to_json(load));
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    for (const BusLoad& load : loads) print_bus_load(stdout, load);
+  }
+  ExitCode code = ExitCode::ok;
+  for (const BusLoad& load : loads) {
+    const bool refused = load.worst_percent > planned_load_percent && !options.allow_overload;
+    const std::string advice = load_advice(load);
+    if (refused) code = ExitCode::fault;
+    if (!advice.empty())
+      std::fprintf(stderr, "%s: %s%s\n", options.scene.c_str(), advice.c_str(),
+                   refused ? " (--allow-overload accepts it)" : "");
+  }
+  return code;
+}
+
 }  // namespace
 
 void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
@@ -167,6 +239,19 @@ void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code)
                  "print everything: the values in effect as a scene file, the composition with its memory, "
                  "and every message of every bus");
   verb->callback([options, full, &code] { code = check(*options, *full); });
+}
+
+void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
+  CLI::App* verb = app.add_subcommand(
+      "bus-load",
+      "Print the load of a scene's buses, nominal and worst case, message by message; fail above 70 %.");
+  const auto options = std::make_shared<BusLoadOptions>();
+  options->faults = checks;
+  verb->add_option("SCENE", options->scene, "read this scene file (TOML), see docs/scenes.md")->required();
+  verb->add_flag("--json", options->json, "print JSON");
+  verb->add_flag("--allow-overload", options->allow_overload,
+                 "return exit code 0 even above 70 % in the worst case");
+  verb->callback([options, &code] { code = show_bus_load(*options); });
 }
 
 }  // namespace godobject

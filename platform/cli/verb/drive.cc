@@ -6,11 +6,10 @@
 #include <memory>
 
 #include "hal/drive/cia402_text.h"
-#include "platform/cli/drive/home.h"
-#include "platform/cli/drive/move.h"
-#include "platform/cli/option_checks.h"
+#include "platform/cli/command_line.h"
+#include "platform/cli/drive/drive.h"
 #include "platform/rt/clock.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {

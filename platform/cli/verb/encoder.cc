@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "hal/canopen/cia406.h"
-#include "platform/cli/bus/node_dialogue.h"
+#include "platform/cli/bus/dialogue.h"
 
 namespace godobject {
 namespace {

@@ -6,7 +6,7 @@
 #include "hal/canopen/lss.h"
 #include "hal/canopen/sdo/sdo.h"
 #include "platform/cli/bus/dialogue.h"
-#include "platform/cli/option_checks.h"
+#include "platform/cli/command_line.h"
 #include "platform/rt/clock.h"
 
 namespace godobject {

@@ -8,13 +8,12 @@
 #include <memory>
 #include <optional>
 
-#include "platform/cli/bus/message_table.h"
-#include "platform/cli/option_checks.h"
-#include "platform/cli/verbs.h"
+#include "platform/cli/bus/messages.h"
+#include "platform/cli/command_line.h"
+#include "platform/cli/program.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/linux/bus/named_address.h"
 #include "platform/rt/clock.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 
 namespace godobject {

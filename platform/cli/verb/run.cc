@@ -7,16 +7,16 @@
 #include <memory>
 #include <new>
 
-#include "platform/cli/option_checks.h"
+#include "platform/cli/command_line.h"
+#include "platform/cli/program.h"
 #include "platform/cli/report/report.h"
+#include "platform/cli/run/devices.h"
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
-#include "platform/cli/run/spacemouse.h"
-#include "platform/cli/run/view.h"
-#include "platform/cli/verbs.h"
+#include "platform/cli/verb/view.h"
 #include "platform/rt/background_file.h"
 #include "platform/rt/clock.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 namespace {
@@ -78,8 +78,8 @@ ExitCode run(RunOptions options) {
       (options.view && !options.fast))
     options.realtime = true;
   if (prepared.link) {
-    real.emplace(
-        RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig, prepared.profiles});
+    real.emplace(RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig,
+                            session.scene().step, prepared.profiles});
     const std::vector<std::string> closed = open_buses(real->link, real->where, real->rig);
     print_lines(stderr, "", closed);
     if (!closed.empty()) return ExitCode::not_available;

@@ -4,11 +4,10 @@
 
 #include "platform/linux/bus/board.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/linux/bus/pty.h"
 #include "platform/linux/bus/replay.h"
 #include "platform/linux/bus/slcan.h"
 #include "platform/linux/bus/socket_can.h"
-#include "platform/scene/text/nearest_name.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 namespace {

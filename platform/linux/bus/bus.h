@@ -9,7 +9,7 @@
 
 #include "hal/can/bus.h"
 #include "hal/can/filter.h"
-#include "platform/rt/last_resort.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 
@@ -30,7 +30,7 @@ class LinuxBus : public CanBus {
   /// Allocates.
   virtual std::string name() const { return {}; }
   /// Returns the bytes that send a frame by one write to descriptor(), for the last resort
-  /// (platform/rt/last_resort.h). Empty if the bus cannot carry the frame. Allocates.
+  /// (platform/rt/signals.h). Empty if the bus cannot carry the frame. Allocates.
   virtual std::string as_written(const CanFrame&) const { return {}; }
   /// Returns one line on reads and writes that the kernel delayed, with the remedy; empty if there were none.
   /// Allocates.
@@ -69,5 +69,27 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
 
 /// Makes a closed bus. Allocates; the bus itself does not.
 std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings);
+
+/// Option value with a name: "can0=socketcan:vcan0", "polaris=/dev/ttyUSB0".
+struct NamedAddress {
+  std::string name;  // empty: an address alone
+  std::string address;
+};
+
+/// Splits NAME=ADDRESS. of_addresses: a character that occurs in addresses and not in names; a '=' after it
+/// belongs to the address.
+inline NamedAddress split_name(const std::string& text, char of_addresses) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.find(of_addresses) < equals) return {.name = "", .address = text};
+  return {.name = text.substr(0, equals), .address = text.substr(equals + 1)};
+}
+
+/// Returns "'can0', 'can1'", for messages.
+template <class Named>
+std::string quoted_names(const Named& all) {
+  std::string names;
+  for (const auto& one : all) names += (names.empty() ? "'" : ", '") + one.name + "'";
+  return names;
+}
 
 }  // namespace godobject

@@ -1,15 +1,67 @@
-// A CAN bus behind an SLCAN adapter on a serial port, in user space, without a kernel driver. hal/can/slcan.h
-// lists the limits of the protocol; docs/buses.md their consequences for a rig.
+// CAN buses of SLCAN lines, in user space, without a kernel driver. SlcanBus is behind an adapter on a serial
+// port. PtyBus simulates such an adapter on a pseudo-terminal. hal/can/slcan.h lists the limits of the
+// protocol; docs/buses.md their consequences for a rig.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "hal/can/slcan.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/linux/bus/slcan_line.h"
+#include "platform/linux/serial_port.h"
+#include "platform/rt/signals.h"
 
 namespace godobject {
 
+/// A serial port with SLCAN lines, shared by both ends of the protocol. Neither put() nor next() waits or
+/// allocates.
+class SlcanLine {
+ public:
+  SerialPort& port() noexcept { return port_; }
+  const SerialPort& port() const noexcept { return port_; }
+
+  /// Queues `text` and writes as much as the port accepts. Returns false and queues nothing if there is no
+  /// space for all of it.
+  [[nodiscard]] bool put(std::string_view text) noexcept;
+  /// Writes queued lines, as many as the port accepts, one write per line. Some adapters read one command of
+  /// a USB packet and drop the others.
+  void flush() noexcept;
+  /// Returns the line of a frame; empty if the protocol cannot carry it.
+  static std::string text_of(const CanFrame& frame);
+  /// Returns the rest of the line that the last write cut off.
+  const LineRest& rest() const noexcept { return rest_; }
+  /// Returns the next complete line, valid until the next call. False if there is none yet, or if the limit
+  /// on reads per call is reached.
+  [[nodiscard]] bool next(std::string_view& line) noexcept;
+  /// Time of reading the last line's final bytes: CLOCK_MONOTONIC.
+  Nanoseconds read_at() const noexcept { return read_at_; }
+  /// Discards queued output.
+  void discard_output() noexcept { out_size_ = 0; }
+  /// Discards received bytes: the next byte begins a line.
+  void discard_input() noexcept;
+  /// Discards queued output and received bytes.
+  void clear() noexcept;
+
+  /// Counts and beginnings of lines that were dropped.
+  const slcan::LineReader& reader() const noexcept { return reader_; }
+
+ private:
+  SerialPort port_{};
+  slcan::LineReader reader_{};
+  std::array<std::uint8_t, 64 * slcan::max_line> out_{};  // some milliseconds of a busy bus
+  std::size_t out_size_ = 0;
+  LineRest rest_{};
+  std::array<std::uint8_t, 512> in_{};
+  std::size_t in_begin_ = 0, in_end_ = 0;
+  Nanoseconds read_at_ = 0;
+};
+
+/// A CAN bus behind an SLCAN adapter on a serial port.
 /// Counters: `sent` counts frames that the adapter acknowledged; 0 with an adapter that acknowledges none.
 /// send_dropped: frames that it refused after they had been queued here. error_frames: garbled lines, and bus
 /// errors in the adapter's flags.
@@ -70,6 +122,50 @@ class SlcanBus final : public LinuxBus {
   bool has_flags_ = false;             // true if the adapter answers F (request of flags)
   bool reports_state_ = false;         // true for the dialect of Linux's driver, which reports more than F
   Nanoseconds flags_due_ = 0;
+  std::string why_{};
+};
+
+/// A CAN bus on a pseudo-terminal: simulates an SLCAN adapter for the program that opens name().
+/// Such programs are SlcanBus, python-can's slcan interface and slcand of can-utils.
+/// Is `down` until the other end opens its channel (O or L), and after it closes it (C). try_receive answers
+/// commands. `sent` counts frames written to the terminal. Refuses time stamps, bit timing registers and
+/// acceptance filters (Z, s, M, m), as an adapter may.
+class PtyBus final : public LinuxBus {
+ public:
+  explicit PtyBus(const BusSettings& settings);
+  ~PtyBus() override { close(); }
+
+  /// Makes a pseudo-terminal, a new one each time.
+  bool open() noexcept override;
+  void close() noexcept override;
+  SendResult try_send(const CanFrame& frame) noexcept override;
+  bool try_receive(ReceivedFrame& out) noexcept override;
+  BusState state() const noexcept override;
+  BusCounters counters() const noexcept override { return counters_; }
+
+  int descriptor() const noexcept override { return line_.port().descriptor(); }
+  std::string trouble() const override;
+  /// Path of the terminal for the other end; empty while closed.
+  std::string name() const override;
+  std::string as_written(const CanFrame& frame) const override;
+  std::string slowness() const override { return line_.port().slowness(); }
+
+ private:
+  enum class Channel : std::uint8_t { closed, open, listening };
+
+  bool handle(std::string_view line, ReceivedFrame& out) noexcept;
+  bool receive(const CanFrame& frame, ReceivedFrame& out) noexcept;
+  void answer(std::string_view text) noexcept;
+  void open_channel(Channel channel) noexcept;
+  void close_channel() noexcept;
+
+  double bit_rate_;
+  std::vector<CanFilter> filters_;
+  SlcanLine line_{};
+  int slave_fd_ = -1;  // kept open, because reading the master without an open slave is an error
+  Channel channel_ = Channel::closed;
+  double requested_bit_rate_ = 0;  // bit rate set by the other end; 0: not set
+  BusCounters counters_{};
   std::string why_{};
 };
 

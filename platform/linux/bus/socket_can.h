@@ -1,24 +1,115 @@
-// A CAN interface of Linux (SocketCAN): classic and FD, with the error frames of its driver. Kernel:
-// Documentation/networking/can.rst.
+// A CAN interface of Linux (SocketCAN): classic and FD, with the error frames of its driver and the kernel's
+// receive stamps. Its configuration is checked. Kernel: Documentation/networking/can.rst.
 #pragma once
 
 #include <linux/can.h>
 #include <net/if.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hal/base/stamp_clock.h"
 #include "hal/can/error.h"
-#include "platform/linux/bus/socket_can_frame.h"
-#include "platform/linux/can_link.h"
-#include "platform/linux/receive_stamp.h"
+#include "hal/can/frame.h"
+#include "platform/linux/bus/bus.h"
 
 namespace godobject {
 
-/// The filters work in the kernel, also on own frames. They must pass the identifiers of own frames, so that
-/// BusCounters::sent counts them. An interface that goes down and up again is reused automatically. One that
-/// was unplugged needs close() and open(), which looks it up by name.
+/// CAN frame in the layout of Linux's raw sockets. A classic frame is the beginning of this struct: same
+/// layout, fewer bytes.
+using KernelFrame = canfd_frame;
+
+/// Returns the number of bytes of `out` for the kernel: CAN_MTU or CANFD_MTU. `frame` must be valid.
+inline std::size_t to_kernel(const CanFrame& frame, KernelFrame& out) noexcept {
+  out = {};
+  out.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0u) | (frame.remote ? CAN_RTR_FLAG : 0u);
+  out.len = frame.size;
+  if (frame.bit_rate_switch) out.flags = CANFD_BRS;
+  std::copy_n(frame.data.begin(), frame.size, out.data);
+  return frame.fd ? CANFD_MTU : CAN_MTU;
+}
+
+/// Returns none if `size` is neither CAN_MTU nor CANFD_MTU, or the frame's length exceeds it.
+inline std::optional<CanFrame> from_kernel(const KernelFrame& in, std::size_t size) noexcept {
+  if (size != CAN_MTU && size != CANFD_MTU) return std::nullopt;
+  CanFrame frame;
+  frame.fd = size == CANFD_MTU;
+  if (in.len > (frame.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN)) return std::nullopt;
+  frame.extended = (in.can_id & CAN_EFF_FLAG) != 0;
+  frame.id = in.can_id & (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+  frame.remote = !frame.fd && (in.can_id & CAN_RTR_FLAG) != 0;
+  frame.bit_rate_switch = frame.fd && (in.flags & CANFD_BRS) != 0;
+  frame.size = in.len;
+  std::copy_n(in.data, in.len, frame.data.begin());
+  return frame;
+}
+
+/// Enables the kernel's receive time stamps (SO_TIMESTAMPING). Returns false with errno on failure.
+bool enable_receive_stamps(int socket) noexcept;
+
+/// Converts receive stamps to CLOCK_MONOTONIC. The kernel stamps a frame by the wall clock when the driver
+/// delivers it. It adds the controller's own stamp if there is one (raw hardware, on a clock of its own).
+/// - Wall clock: both clocks are read together with the frame, and the frame's age by the wall clock is
+/// subtracted from CLOCK_MONOTONIC. If the wall clock is set between arrival and reading, the result is the
+/// time of reading.
+/// - Controller: StampClock, against the time of arrival found as above.
+class ReceiveStamp {
+ public:
+  /// Returns the time of arrival of a message read by recvmsg; never before that of the previous message.
+  /// Without a stamp it is the time of reading.
+  Nanoseconds of(const msghdr& message) noexcept;
+
+ private:
+  StampClock controller_;
+  Nanoseconds last_ = 0;
+};
+
+/// Properties of an interface with a controller; a virtual one (vcan) has none.
+struct CanController {
+  std::uint32_t bit_rate = 0;       // bit/s; 0: not set
+  std::uint32_t data_bit_rate = 0;  // bit/s; 0: classic
+  std::uint32_t restart_ms = 0;     // 0: stays off after a bus-off
+  BusState state = BusState::closed;
+  std::uint16_t transmit_error_counter = 0;
+  std::uint16_t receive_error_counter = 0;
+};
+
+/// Configuration of a CAN interface, as the kernel returns it over rtnetlink.
+struct CanLink {
+  bool up = false;
+  std::uint32_t mtu = 0;  // 16: classic frames, 72: also FD
+  std::uint32_t transmit_queue_length = 0;
+  std::array<char, 16> qdisc{};  // queueing discipline, e.g. pfifo_fast
+  std::optional<CanController> controller{};
+
+  bool carries_fd() const noexcept { return mtu >= 72; }
+};
+
+/// Reads the configuration. Returns 0 or errno: ENODEV if the interface does not exist, EMEDIUMTYPE if it is
+/// not a CAN interface. Does not allocate.
+int read_can_link(const char* interface, CanLink& link) noexcept;
+
+enum class LinkFit : std::uint8_t { fits, down, bit_rate, data_bit_rate, classic_only };
+
+/// Returns the first conflict of `link` with the expected `settings`.
+LinkFit fit(const CanLink& link, const BusSettings& settings) noexcept;
+
+/// Returns the conflict and the commands that resolve it. Empty for LinkFit::fits.
+std::string text_of(LinkFit fit, const std::string& interface, const CanLink& link,
+                    const BusSettings& settings);
+
+/// Returns warnings of later trouble: no restart after bus-off, a queue that drops old frames. Empty if none.
+std::string link_warnings(const std::string& interface, const CanLink& link);
+
+/// A bus on a CAN interface. The filters work in the kernel, also on own frames. They must pass the
+/// identifiers of own frames, so that BusCounters::sent counts them. An interface that goes down and up again
+/// is reused automatically. One that was unplugged needs close() and open(), which looks it up by name.
 class SocketCanBus final : public LinuxBus {
  public:
   SocketCanBus(const std::string& interface, const BusSettings& settings);

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "platform/scene/net/physics.h"
+#include "platform/scene/net/params.h"
 
 namespace godobject {
 namespace {

@@ -1,4 +1,4 @@
-// Conversion of a scene's contacts into parameters of the core, with the storage of meshes and height fields.
+// Contacts of a scene as parameters of the core, with the storage of prepared meshes and height fields.
 #pragma once
 
 #include <deque>
@@ -7,10 +7,33 @@
 #include <vector>
 
 #include "core/contact/contact.h"
-#include "platform/scene/mesh/solid.h"
+#include "core/shape/mesh_setup.h"
+#include "platform/scene/geometry.h"
 #include "platform/scene/scene.h"
 
 namespace godobject {
+
+/// A mesh with the data required by queries, in storage of its own.
+class MeshSolid {
+ public:
+  /// Returns null, and sets `why_not`, if the triangles are not a solid or too many.
+  static std::unique_ptr<MeshSolid> make(const MeshData& data, std::string& why_not);
+
+  const MeshData& data() const { return data_; }
+  /// Valid during the life of this object.
+  const TriangleMesh& mesh() const { return mesh_; }
+
+ private:
+  explicit MeshSolid(const MeshData& data);
+  MeshReport set_up(double grid_spacing);
+  MeshStorage storage();
+
+  MeshData data_;
+  std::vector<Vec3> face_normals_, vertex_normals_;
+  std::vector<EdgeNormals> edge_normals_;
+  std::vector<std::uint32_t> half_edges_, cell_start_, cell_triangles_;
+  TriangleMesh mesh_;
+};
 
 /// Laws of pairs of materials, symmetric; zero for pairs that do not meet.
 using LawTable = std::array<std::array<ContactLaw, max_materials>, max_materials>;

@@ -1,9 +1,7 @@
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 
 #include <algorithm>
 #include <vector>
-
-#include "platform/scene/joint/kinds.h"
 
 namespace godobject {
 namespace {

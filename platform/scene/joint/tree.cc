@@ -1,8 +1,161 @@
-#include "platform/scene/joint/tree.h"
+// Kinds of joints, their tree, and the device implied by it.
+#include "platform/scene/joint/joints.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/device/holding.h"
 
 namespace godobject {
+namespace {
+
+struct Words {
+  const char* name = nullptr;  // beyond the last kind
+  const char* meaning = nullptr;
+};
+
+Words words(std::size_t kind) noexcept {
+  Words words;
+  with_joint(static_cast<JointKind>(kind), [&](auto joint) { words = {joint.name, joint.meaning}; });
+  return words;
+}
+
+JointFrames at_zero() noexcept {
+  return {.R_WP = Mat3::Identity(), .R_WC = Mat3::Identity(), .d_W = Vec3::Zero()};
+}
+
+double angle_between(const Vec3& a, const Vec3& b) noexcept {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+Pose inverse(const Pose& X) { return {-(X.q.conjugate() * X.p), X.q.conjugate()}; }
+
+/// Pose of a body of the instrument on the device.
+struct Place {
+  std::string link;  // name of the joint that carries it, or base_name
+  Pose X_LB;
+};
+
+class DeviceBuilder {
+ public:
+  explicit DeviceBuilder(const SceneConfig& scene) : scene_(scene) { places_[world_name] = {base_name, {}}; }
+
+  DeviceTree build() {
+    for (const BodyConfig& body : scene_.bodies) {
+      const auto joint = std::ranges::find(scene_.joints, body.name, &JointConfig::child);
+      if (joint != scene_.joints.end()) add(*joint);
+    }
+    for (const std::size_t body : driven_bodies(scene_)) hold(scene_.bodies[body].name);
+    return std::move(device_);
+  }
+
+ private:
+  /// Adds the coordinates of a joint one after the other, from the parent's frame to the child's.
+  void add(const JointConfig& joint) {
+    const auto parent = places_.find(joint.parent);
+    if (parent == places_.end()) return;  // no joint connects it to the world
+    Place at{parent->second.link, composed(parent->second.X_LB, joint.X_BP)};
+    if (is_ball(joint.kind)) {
+      device_.errors.push_back("joint '" + joint.name +
+                               "' is a ball joint, which encoders cannot measure: describe the device by "
+                               "[[device.joint]] and [[device.handle]] tables");
+      return;
+    }
+    for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
+      if (joint.coordinates[i] == base_name)
+        device_.errors.push_back("coordinate '" + joint.coordinates[i] + "' of joint '" + joint.name +
+                                 "' is the name of the device's base: choose another name");
+      device_.tree.joints.push_back(
+          {.name = joint.coordinates[i],
+           .parent = at.link,
+           .kind = is_turn(joint.kind, i) ? DeviceJointKind::hinge : DeviceJointKind::slider,
+           .X_PJ = at.X_LB,
+           .axis_J = axis_at_zero(joint.kind, i)});
+      at = {joint.coordinates[i], {}};
+    }
+    places_[joint.child] = {at.link, composed(at.X_LB, inverse(joint.X_BC))};
+  }
+
+  void hold(const std::string& body) {
+    const auto at = places_.find(body);
+    const bool moves = at != places_.end() && at->second.link != base_name;
+    if (moves) {
+      device_.tree.handles.push_back({.body = body, .joint = at->second.link, .X_LH = at->second.X_LB});
+    } else if (device_.errors.empty()) {
+      device_.errors.push_back("no joints with coordinates connect the world to body '" + body +
+                               "', so no handle can move it: describe the device by [[device.joint]] and "
+                               "[[device.handle]] tables, or remove its [body.coupling]");
+    }
+  }
+
+  const SceneConfig& scene_;
+  std::map<std::string, Place> places_;
+  DeviceTree device_;
+};
+
+}  // namespace
+
+// ---- kinds ----------------------------------------------------------------------------------------
+
+std::vector<std::string> joint_kind_names() {
+  std::vector<std::string> names;
+  for (std::size_t kind = 1; words(kind).name != nullptr; ++kind) names.emplace_back(words(kind).name);
+  return names;
+}
+
+std::string joint_kind_meanings() {
+  std::string text;
+  for (std::size_t kind = 1; words(kind).name != nullptr; ++kind)
+    text += std::string(kind == 1 ? "" : "; ") + words(kind).meaning;
+  return text;
+}
+
+Vec3 axis_at_zero(JointKind kind, std::size_t i) noexcept {
+  Vec3 axis = Vec3::Zero();
+  with_joint(kind, [&](auto joint) {
+    const auto motion = joint.motion(at_zero());
+    if (i < motion.turn.size()) axis = motion.turn[i];
+    else if (i - motion.turn.size() < motion.slide.size()) axis = motion.slide[i - motion.turn.size()];
+  });
+  return axis;
+}
+
+bool is_along_z(JointKind kind) noexcept {
+  for (std::size_t i = 0; i < num_coordinates(kind); ++i)
+    if (axis_at_zero(kind, i) != Vec3::UnitZ()) return false;
+  return num_coordinates(kind) > 0;
+}
+
+/// Two coordinates are named as a turn and a slide, or by their axes.
+std::vector<std::string> default_coordinates(const std::string& joint, JointKind kind) {
+  const std::size_t n = num_coordinates(kind);
+  if (n == 1) return {joint};
+  const bool alike = n == 2 && is_turn(kind, 0) == is_turn(kind, 1);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < n; ++i) {
+    Eigen::Index axis = 0;
+    axis_at_zero(kind, i).maxCoeff(&axis);
+    if (alike) names.push_back(joint + "_" + "xyz"[axis]);
+    else names.push_back(joint + (is_turn(kind, i) ? "_turn" : "_slide"));
+  }
+  return names;
+}
+
+/// One turn keeps its axis common to both frames. Two turns keep the angle between the parent's first axis
+/// and the child's second.
+double angular_gap(JointKind kind, const JointFrames& X) noexcept {
+  const Vec3 first = axis_at_zero(kind, 0), second = axis_at_zero(kind, 1);
+  switch (num_axes(kind).turns) {
+    case 0: return Eigen::AngleAxis<Real>(X.R_WP.transpose() * X.R_WC).angle();
+    case 1: return angle_between(X.R_WP * first, X.R_WC * first);
+    case 2: return std::abs(angle_between(first, second) - angle_between(X.R_WP * first, X.R_WC * second));
+    default: return 0;
+  }
+}
+
+// ---- tree -----------------------------------------------------------------------------------------
 
 std::string JointTree::add(const JointConfig& joint) {
   if (joint.parent == joint.child)
@@ -69,5 +222,9 @@ std::vector<BodyConfig> parents_first(const std::vector<BodyConfig>& bodies,
   }
   return ordered;
 }
+
+// ---- device ---------------------------------------------------------------------------------------
+
+DeviceTree device_from_joints(const SceneConfig& scene) { return DeviceBuilder(scene).build(); }
 
 }  // namespace godobject

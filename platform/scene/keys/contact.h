@@ -1,16 +1,16 @@
 // All keys of contacts: spheres and shapes of bodies, obstacles, pairs of materials. Visitors:
-// platform/scene/text/visit.h.
+// platform/scene/text/key.h.
 #pragma once
 
 #include <cmath>
 #include <set>
 
 #include "core/contact/contact.h"
+#include "platform/scene/checks.h"
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/mesh/obstacle_file.h"
-#include "platform/scene/plausible.h"
+#include "platform/scene/mesh/file.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -23,19 +23,17 @@ inline constexpr std::array body_shape_kind_names{"box", "sphere", "capsule"};
 
 template <class V>
 void visit_material(V& v, std::string& material) {
-  v.value(
-      Key{"material", "", "name of its material: [[contact]] has the parameters of each pair of materials"},
-      material);
+  v.value(Key{"material", "", "see [[contact]]"}, material);
   v.check(is_plain_name(material), "material", "must be one or more letters, digits, '_' or '-'");
 }
 
 template <class V>
 void visit_sphere(V& v, SphereConfig& s) {
-  v.value(Key{"position", "m", "centre of the sphere in body axes about the centre of mass"}, s.p_B);
-  v.value(Key{"radius", "m", "radius of the sphere", positive, true}, s.radius);
+  v.value(Key{"position", "m", "centre"}, s.p_B);
+  v.value(Key{"radius", "m", "", positive, true}, s.radius);
   visit_material(v, s.material);
-  v.value(Key{"count", "", "number of equal spheres in the row", {1, 1e4}}, s.count);
-  v.value(Key{"spacing", "m", "vector from one centre of the row to the next, body axes"}, s.spacing);
+  v.value(Key{"count", "", "number of spheres in the row", {1, 1e4}}, s.count);
+  v.value(Key{"spacing", "m", "from one centre to the next"}, s.spacing);
   v.check(s.count == 1 || s.spacing.norm() > 0, "spacing", "must not be zero if count is above 1");
 }
 
@@ -51,21 +49,20 @@ template <class V>
 void visit_dimensions(V& v, ShapeConfig& s) {
   const bool round = s.kind == ShapeKind::sphere || s.kind == ShapeKind::capsule;
   visit_dimension(v, s.kind == ShapeKind::box,
-                  Key{"half_extents", "m", "box: half its edges along x, y, z", positive}, s.half_extents);
-  visit_dimension(v, round, Key{"radius", "m", "sphere or capsule: radius", positive}, s.radius);
+                  Key{"half_extents", "m", "box: half edges along x, y, z", positive}, s.half_extents);
+  visit_dimension(v, round, Key{"radius", "m", "of a sphere or capsule", positive}, s.radius);
   visit_dimension(v, s.kind == ShapeKind::capsule,
-                  Key{"half_length", "m", "capsule: half the distance between its two centres on the z axis",
-                      not_negative},
+                  Key{"half_length", "m", "capsule: half the distance of its centres", not_negative},
                   s.half_length);
 }
 
 template <class V>
 void visit_body_shape(V& v, ShapeConfig& s) {
   std::size_t kind = static_cast<std::size_t>(s.kind) - 1;
-  v.one_of(Key{"kind", "", "kind of solid: box with edges along x, y, z; sphere; capsule along z"},
-           {body_shape_kind_names.begin(), body_shape_kind_names.end()}, kind);
+  v.one_of(Key{"kind", "", "capsule: along z"}, {body_shape_kind_names.begin(), body_shape_kind_names.end()},
+           kind);
   s.kind = static_cast<ShapeKind>(kind + 1);
-  visit_pose(v, "position", "orientation_wxyz", "the shape in body axes about the centre of mass", s.X);
+  visit_pose(v, "position", "orientation_wxyz", "the shape's frame", s.X);
   visit_dimensions(v, s);
   visit_material(v, s.material);
 }
@@ -74,15 +71,12 @@ template <class V>
 void visit_spheres_and_shapes(V& v, BodyConfig& b) {
   // Without a table in the file the list of the body named by `like` is kept.
   std::vector<SphereConfig> spheres = b.spheres;
-  v.tables(TableKey{"sphere",
-                    "A sphere fixed on the body, or a row of equal ones, by which the body touches others."},
-           spheres, [&](auto& t, SphereConfig& s) { visit_sphere(t, s); });
+  v.tables(TableKey{"sphere", "A sphere of the body, or a row of equal ones."}, spheres,
+           [&](auto& t, SphereConfig& s) { visit_sphere(t, s); });
   if (!spheres.empty()) b.spheres = spheres;
   std::vector<ShapeConfig> shapes = b.shapes;
-  v.tables(TableKey{"shape",
-                    "A solid fixed on the body, which spheres of other bodies touch. Without one they touch "
-                    "its spheres."},
-           shapes, [&](auto& t, ShapeConfig& s) { visit_body_shape(t, s); });
+  v.tables(TableKey{"shape", "A solid of the body, which spheres of others touch."}, shapes,
+           [&](auto& t, ShapeConfig& s) { visit_body_shape(t, s); });
   if (!shapes.empty()) b.shapes = shapes;
 }
 
@@ -90,17 +84,16 @@ template <class V>
 void visit_obstacle_file(V& v, ObstacleConfig& o) {
   const ShapeKind kind = o.shape.kind;
   const bool mesh = kind == ShapeKind::mesh, heights = kind == ShapeKind::height_field;
-  const std::string path = v.path(
-      Key{"file", "",
-          "mesh: closed, STL, OBJ or PLY; height field: rows of heights (m) between commas; sphere: centres "
-          "of many in its axes, CSV with columns x, y, z (m). In the scene file's folder, or below"},
-      o.file);
+  const std::string path =
+      v.path(Key{"file", "",
+                 "mesh: closed STL, OBJ or PLY; height field: rows of heights (m) between commas; sphere: "
+                 "centres of many, CSV with columns x, y, z (m). In the scene file's folder or below"},
+             o.file);
   v.check(!(mesh || heights) || !o.file.empty(), "file",
           "is missing: a mesh or height field is read from one");
-  v.value(Key{"scale", "m", "mesh: length of one unit of its file; default 1", positive}, o.scale);
+  v.value(Key{"scale", "m", "mesh: unit of its file, default 1", positive}, o.scale);
   v.check(mesh || !o.scale, "scale", "has no meaning for this kind of obstacle: remove it");
-  visit_dimension(v, heights,
-                  Key{"spacing", "m", "height field: distance between neighbours of its grid", positive},
+  visit_dimension(v, heights, Key{"spacing", "m", "height field: distance of grid points", positive},
                   o.spacing);
   if (path.empty()) return;
   const std::string why_not = load_file(path, o);
@@ -111,51 +104,53 @@ void visit_obstacle_file(V& v, ObstacleConfig& o) {
 
 template <class V>
 void visit_obstacle(V& v, ObstacleConfig& o) {
-  visit_name(v, "name of the obstacle in messages", o.name);
+  visit_name(v, "name in messages", o.name);
   choose(v,
          Key{"kind", "",
-             "kind of solid. plane: z = 0 of its frame, solid below; box; sphere; capsule along z; "
-             "height-field: solid below, from its corner along x and y; mesh: solid inside"},
+             "plane: solid below z = 0; capsule: along z; height-field: solid below, from its corner along x "
+             "and y; mesh: solid inside"},
          shape_kind_names, o.shape.kind);
   visit_pose(v, "position", "orientation_wxyz", "its frame in the world", o.shape.X);
-  visit_dimensions(v, o.shape);
+  if constexpr (requires { v.keys_of("", "", ""); })
+    v.keys_of("[[body.shape]]", "half_extents", "half_length");
+  else visit_dimensions(v, o.shape);
   visit_obstacle_file(v, o);
   visit_material(v, o.shape.material);
 }
 
+/// Visits a law; without its stiffness it is new, and a tangential gain that is not given is the normal one.
 /// mass: mass at which a damping ratio of one is critical, kg.
 template <class V>
-void visit_law(V& v, double mass, ContactConfig& c) {
-  v.value(Key{"stiffness", "N/m",
-              "normal stiffness k of each sphere; those of spheres that share a load add up", positive, true},
-          c.stiffness);
-  const double unit = std::sqrt(mass * c.stiffness);
-  v.either(Key{"damping", "N s/m", "normal damping c; or give `damping_ratio`", not_negative},
+void visit_law(V& v, double mass, ContactLaw& law) {
+  const bool is_new = law.k == 0;
+  v.value(Key{"stiffness", "N/m", "normal stiffness k of each sphere; spheres that share a load add up",
+              positive, true},
+          law.k);
+  const double unit = std::sqrt(mass * law.k);
+  v.either(Key{"damping", "N s/m", "normal damping c", not_negative},
            Key{"damping_ratio",
                "",
-               "c / sqrt(m k), m: the lightest body of the two materials; 1.4 by default",
+               "c / sqrt(m k), default 1.4, m of the lightest body of the two materials",
                {0, 1e6}},
-           unit, default_contact_damping_ratio * unit, c.damping);
-  v.value(Key{"friction", "", "coefficient of friction mu, for sticking and slipping", {0, 100}}, c.friction);
-  if (!c.tangential_stiffness) c.tangential_stiffness = c.stiffness;
+           unit, default_contact_damping_ratio * unit, law.c);
+  v.value(Key{"friction", "", "coefficient of friction mu", {0, 100}}, law.mu);
+  if (is_new) law.k_t = law.k;
   v.value(Key{.name = "tangential_stiffness",
               .unit = "N/m",
-              .meaning = "tangential stiffness k_t while sticking",
+              .meaning = "k_t while sticking",
               .range = not_negative,
               .otherwise = "`stiffness`"},
-          c.tangential_stiffness);
-  if (!c.tangential_damping) c.tangential_damping = c.damping;
+          law.k_t);
+  if (is_new) law.c_t = law.c;
   v.value(Key{.name = "tangential_damping",
               .unit = "N s/m",
-              .meaning = "tangential damping c_t while sticking",
+              .meaning = "c_t while sticking",
               .range = not_negative,
               .otherwise = "`damping`"},
-          c.tangential_damping);
-  v.check(c.friction == 0 || c.tangential_stiffness.value_or(0) > 0 || c.tangential_damping.value_or(0) > 0,
-          "tangential_stiffness", "and 'tangential_damping' must not both be zero if friction is above 0");
-  v.value(Key{"push_out_speed", "m/s",
-              "depenetration velocity, at which bodies that start inside each other separate", positive},
-          c.push_out_speed);
+          law.c_t);
+  v.check(law.mu == 0 || law.k_t > 0 || law.c_t > 0, "tangential_stiffness",
+          "and 'tangential_damping' must not both be zero if friction is above 0");
+  v.value(Key{"push_out_speed", "m/s", "of bodies that start inside each other", positive}, law.push_out);
 }
 
 /// Visits obstacles and contacts, after bodies and joints.
@@ -171,22 +166,19 @@ void visit_contacts(V& v, SceneConfig& s) {
     return std::ranges::find(used, name, &MaterialUse::material) != used.end();
   };
   std::set<std::set<std::string>> pairs;
-  v.tables(TableKey{"contact", "Parameters of contacts between two materials."}, s.contacts,
-           [&](auto& t, ContactConfig& c) {
-             t.value(Key{.name = "materials",
-                         .unit = "",
-                         .meaning = "names of the two materials, in any order; the same name twice for a "
-                                    "material against itself",
-                         .required = true},
-                     c.materials);
-             t.check(c.materials.size() == 2, "materials", "must be two names: [\"a\", \"b\"]");
-             for (const std::string& name : c.materials)
-               t.advise(is_used(name), "materials",
-                        "has '" + name + "', which no sphere, shape, obstacle or net has");
-             t.check(pairs.insert({c.materials.begin(), c.materials.end()}).second, "materials",
-                     "are those of an earlier [[contact]]");
-             visit_law(t, lightest_of(s, c.materials), c);
-           });
+  v.tables(TableKey{"contact", "Contact of two materials."}, s.contacts, [&](auto& t, ContactConfig& c) {
+    t.value(Key{.name = "materials",
+                .unit = "",
+                .meaning = "two names in any order, or one twice",
+                .required = true},
+            c.materials);
+    t.check(c.materials.size() == 2, "materials", "must be two names: [\"a\", \"b\"]");
+    for (const std::string& name : c.materials)
+      t.advise(is_used(name), "materials", "has '" + name + "', which no sphere, shape, obstacle or net has");
+    t.check(pairs.insert({c.materials.begin(), c.materials.end()}).second, "materials",
+            "are those of an earlier [[contact]]");
+    visit_law(t, lightest_of(s, c.materials), c.law);
+  });
   v.check(used.size() <= max_materials, "",
           "the scene has " + std::to_string(used.size()) + " materials; at most " +
               std::to_string(max_materials) + " are possible");

@@ -1,4 +1,4 @@
-// All keys below [device] of a scene file. Visitors: platform/scene/text/visit.h.
+// All keys below [device] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <numbers>
@@ -6,12 +6,12 @@
 
 #include "hal/drive/link.h"
 #include "hal/joint/kinematic_tree.h"
-#include "platform/scene/joint/device_from_joints.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/keys/spacemouse.h"
 #include "platform/scene/keys/tracker.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -21,11 +21,10 @@ template <class V>
 void visit_limits(V& v, LimitConfig& l) {
   v.value(Key{"force", "N", "largest displayed force", positive}, l.force);
   v.value(Key{"torque", "N m", "largest displayed torque", positive}, l.torque);
-  v.value(Key{"force_rate", "N/s", "largest rate of the displayed force", positive}, l.force_rate);
-  v.value(Key{"torque_rate", "N m/s", "largest rate of the displayed torque", positive}, l.torque_rate);
-  v.value(Key{"ramp", "s", "time from engaging to full coupling and feedback; 0: at once", {0, 60}}, l.ramp);
-  v.value(Key{"grab_ramp", "s", "time from gripping a body to full coupling and feedback", {0, 60}},
-          l.grab_ramp);
+  v.value(Key{"force_rate", "N/s", "of the force", positive}, l.force_rate);
+  v.value(Key{"torque_rate", "N m/s", "of the torque", positive}, l.torque_rate);
+  v.value(Key{"ramp", "s", "from engaging to full coupling; 0: at once", {0, 60}}, l.ramp);
+  v.value(Key{"grab_ramp", "s", "from gripping to full coupling", {0, 60}}, l.grab_ramp);
 }
 
 /// Names to which joints, handles, encoders and drives refer.
@@ -37,8 +36,7 @@ struct RigNames {
 
 template <class V>
 void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
-  visit_name(v, "name of the joint: other joints, handles, encoders, drives and motion columns refer to it",
-             j.name);
+  visit_name(v, "name, for other tables and columns of motions", j.name);
   v.check(j.name != base_name, "name", "is the name of the base: choose another name");
   std::vector<std::string> parents{base_name};
   parents.insert(parents.end(), names.joints.begin(), names.joints.end());
@@ -46,21 +44,20 @@ void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
   choose(v,
          Key{.name = "parent",
              .unit = "",
-             .meaning = "parent: joint on whose link it sits, earlier in the file, or `\"base\"`",
+             .meaning = "earlier joint that carries it, or `\"base\"`",
              .otherwise = "the joint before it"},
          parents, j.parent);
-  choose(v, Key{"kind", "", "hinge: coordinate in rad about `axis`; slider: coordinate in m along `axis`"},
-         std::array{"hinge", "slider"}, j.kind);
-  visit_pose(v, "position", "orientation_wxyz", "the joint frame in the parent's link frame at coordinate 0",
+  choose(v, Key{"kind", "", "turn (rad) about, or slide (m) along `axis`"}, std::array{"hinge", "slider"},
+         j.kind);
+  visit_pose(v, "position", "orientation_wxyz", "the joint's frame on the parent's link, at coordinate 0",
              j.X_PJ);
-  v.unit_vector(Key{"axis", "", "axis of the joint: unit vector in the joint frame"}, j.axis_J);
+  v.unit_vector(Key{"axis", "", "unit vector in the joint's frame"}, j.axis_J);
 }
 
 template <class V>
 void visit_node(V& v, const RigNames& names, std::string_view id_meaning, std::size_t& bus,
                 std::uint8_t& node_id) {
-  v.one_of(Key{.name = "bus", .unit = "", .meaning = "name of the bus of the node", .required = true},
-           names.buses, bus);
+  v.one_of(Key{.name = "bus", .unit = "", .meaning = "", .required = true}, names.buses, bus);
   v.value(Key{"node_id", "", id_meaning, {1, 127}, true}, node_id);
 }
 
@@ -68,110 +65,91 @@ template <class V>
 void visit_sensor_node(V& v, const RigNames& names, std::string_view id_meaning, std::string& joint,
                        std::size_t& bus, std::uint8_t& node_id, std::string& profile,
                        unsigned& profile_line) {
-  choose(v, Key{.name = "joint", .unit = "", .meaning = "name of its joint", .required = true}, names.joints,
-         joint);
+  choose(v, Key{.name = "joint", .unit = "", .meaning = "", .required = true}, names.joints, joint);
   visit_node(v, names, id_meaning, bus, node_id);
-  v.value(Key{"profile", "",
-              "profile by which a CANopen node is commissioned, see docs/canopen.md; empty: not "
-              "commissioned, because it is configured already"},
+  v.value(Key{"profile", "", "commissions a CANopen node (docs/canopen.md); empty: it is configured already"},
           profile);
   profile_line = v.line_of("profile");
 }
 
 template <class V>
-void visit_calibration(V& v, std::string_view sign_key, std::string_view counts_meaning,
-                       const RigNames& names, const std::string& joint, Calibration& c) {
+void visit_scale(V& v, std::string_view sign_key, std::string_view counts_meaning, const RigNames& names,
+                 const std::string& joint, Calibration& c) {
   v.either(Key{"counts_per_unit", "1/rad or 1/m", counts_meaning, positive, true},
-           Key{"counts_per_turn", "", "counts per turn of a hinge", positive}, 1 / (2 * std::numbers::pi),
-           std::nullopt, c.counts_per_unit);
+           Key{"counts_per_turn", "", "of a hinge", positive}, 1 / (2 * std::numbers::pi), std::nullopt,
+           c.counts_per_unit);
   const auto index = static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
   const bool slider = index < names.kinds.size() && names.kinds[index] == DeviceJointKind::slider;
   v.check(!(slider && v.has("counts_per_turn")), "counts_per_turn",
           "has no meaning on a slider: give counts_per_unit in 1/m");
-  visit_sign(v, Key{sign_key, "", "1 or -1: direction in which counts rise", {-1, 1}}, c.sign);
-  v.value(Key{"offset_counts", "", "count at coordinate `home`", {-9007199254740992.0, 9007199254740992.0}},
-          c.offset_counts);
-  v.value(Key{"home", "rad or m", "joint coordinate at `offset_counts`, e.g. in a homing jig"}, c.home);
-  v.value(Key{"modulus_counts", "", "counts wrap at this value; 0: they do not wrap", {0, 4294967296.0}},
-          c.modulus_counts);
+  visit_sign(v, Key{sign_key, "", "1 or -1: direction of rising counts", {-1, 1}}, c.sign);
 }
 
 template <class V>
-void visit_max_speed(V& v, double& max_speed) {
-  v.value(Key{"max_speed", "rad/s or m/s",
-              "largest plausible speed of the joint; a sample that implies more is rejected", positive},
+void visit_zero(V& v, Calibration& c, double& max_speed) {
+  v.value(Key{"offset_counts", "", "count at `home`", {-9007199254740992.0, 9007199254740992.0}},
+          c.offset_counts);
+  v.value(Key{"home", "rad or m", "coordinate at `offset_counts`, e.g. in a jig"}, c.home);
+  v.value(Key{"modulus_counts", "", "counts wrap here; 0: never", {0, 4294967296.0}}, c.modulus_counts);
+  v.value(Key{"max_speed", "rad/s or m/s", "largest plausible speed; faster samples are rejected", positive},
           max_speed);
 }
 
 template <class V>
 void visit_encoder(V& v, const RigNames& names, EncoderParams& e) {
   visit_sensor_node(v, names, "CANopen node-ID", e.joint, e.bus, e.node_id, e.profile, e.profile_line);
-  visit_calibration(v, "sign", "counts per unit of the joint coordinate; or give `counts_per_turn`", names,
-                    e.joint, e.calibration);
-  visit_max_speed(v, e.max_speed);
+  visit_scale(v, "sign", "counts per unit of the joint's coordinate", names, e.joint, e.calibration);
+  visit_zero(v, e.calibration, e.max_speed);
 }
 
 template <class V>
 void visit_watchdog(V& v, DriveParams& d) {
   choose(v,
          Key{"watchdog", "",
-             "watchdog that stops the motor when the host has died. host: set up by the `profile` or the "
-             "protocol; drive: set in the drive already, as on an ODrive; none: no watchdog, by intent. A "
-             "scene that displays force is refused if this is host and no watchdog is set up"},
+             "stops the motor when the host has died. host: set up by `profile` or protocol; a scene that "
+             "displays force is refused if neither does. drive: set in the drive, as on an ODrive. none: no "
+             "watchdog, by intent"},
          drive_watchdog_names, d.watchdog);
-  v.value(Key{"watchdog_ms",
-              "ms",
-              "time of the watchdog set in the drive, with `watchdog = \"drive\"`",
-              {1, 65535}},
-          d.watchdog_ms);
+  v.value(Key{"watchdog_ms", "ms", "time of the watchdog set in the drive", {1, 65535}}, d.watchdog_ms);
 }
 
 template <class V>
 void visit_drive(V& v, const RigNames& names, DriveParams& d) {
-  visit_sensor_node(v, names, "CANopen node-ID; of an ODrive 1 to 62, of a moteus its id", d.joint, d.bus,
-                    d.node_id, d.profile, d.profile_line);
-  choose(v,
-         Key{"protocol", "",
-             "protocol of the drive, see docs/new-device.md; each protocol requires a bus of its own"},
-         drive_protocol_names, d.protocol);
+  visit_sensor_node(v, names, "CANopen node-ID; ODrive: 1 to 62; moteus: its id", d.joint, d.bus, d.node_id,
+                    d.profile, d.profile_line);
+  choose(v, Key{"protocol", "", "each requires a bus of its own (docs/new-device.md)"}, drive_protocol_names,
+         d.protocol);
   const BusProtocol protocol = bus_protocol(d.protocol);
   v.check(protocol.canopen || d.profile.empty(), "profile", "has no meaning with this protocol: remove it");
   v.check(d.node_id <= protocol.max_node_id, "node_id",
           "must be at most " + std::to_string(protocol.max_node_id) + " with this protocol");
-  v.value(Key{"torque_rated_Nm", "N m",
-              "CiA 402: rated torque, object 6076h, of which targets are sent in per mille", positive},
+  v.value(Key{"torque_rated_Nm", "N m", "CiA 402: rated torque 6076h; targets are per mille of it", positive},
           d.torque_rated_Nm);
-  v.value(Key{"torque_max_Nm", "N m", "saturation of the command, at the motor shaft", positive},
+  v.value(Key{"torque_max_Nm", "N m", "bound of the command, at the motor's shaft", positive},
           d.torque_max_Nm);
-  v.check(d.protocol != DriveProtocol::cia402 || d.torque_max_Nm <= 32.767 * d.torque_rated_Nm,
-          "torque_max_Nm",
-          "is more than 32.767 times torque_rated_Nm, the most that 16 bits of per mille carry");
-  v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit of the command, at the motor shaft", positive},
+  const double max_Nm = max_encodable_torque_Nm(d);
+  v.check(d.torque_max_Nm <= max_Nm, "torque_max_Nm",
+          format("must be at most %g N m: commands in per mille of torque_rated_Nm encode no more", max_Nm));
+  v.value(Key{"torque_rate_Nm_per_s", "N m/s", "slew limit, at the motor's shaft", positive},
           d.torque_rate_Nm_per_s);
-  v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad",
-              "transmission: joint coordinate per rad of the motor", positive},
+  v.value(Key{"joint_per_motor_rad", "rad/rad or m/rad", "joint coordinate per rad of the motor", positive},
           d.joint_per_motor_rad);
-  visit_sign(v, Key{"sign", "", "1 or -1: sign of the joint torque of a positive motor torque", {-1, 1}},
-             d.sign);
-  v.value(Key{"status_every_nth_sync",
-              "",
-              "CiA 402: transmission type of its TPDO1, one status every n-th SYNC",
-              {1, 240}},
+  visit_sign(v, Key{"sign", "", "1 or -1: joint torque of a positive motor torque", {-1, 1}}, d.sign);
+  v.value(Key{"status_every_nth_sync", "", "CiA 402: TPDO1 at every n-th SYNC", {1, 240}},
           d.status_every_nth_sync);
   v.check(protocol.canopen || d.status_every_nth_sync == 1, "status_every_nth_sync",
           "must be 1 with this protocol: the drive answers every request");
-  visit_calibration(
-      v, "counts_sign",
-      "counts per unit of the joint coordinate; or give `counts_per_turn`; an ODrive and a moteus have "
-      "100000 counts per turn of the motor",
-      names, d.joint, d.calibration);
-  visit_max_speed(v, d.max_speed);
+  visit_scale(v, "counts_sign",
+              "counts per unit of the joint's coordinate; ODrive, moteus: 100000 per turn of the motor",
+              names, d.joint, d.calibration);
+  if constexpr (requires { v.keys_of("", "", ""); })
+    v.keys_of("[[device.encoder]]", "offset_counts", "max_speed");
+  else visit_zero(v, d.calibration, d.max_speed);
   visit_watchdog(v, d);
   v.value(Key{"max_slip", "rad or m",
-              "largest difference between the drive's position and the encoder's, once enabled; a larger one "
-              "is the fault `sensors_disagree`. While the joint moves, its travel in `stale_after` is added. "
-              "0: not compared, as without an encoder",
-              not_negative, false, "0.05 rad of a hinge, 0.005 m of a slider, and 2 counts of each sensor"},
+              "largest difference of drive and encoder once enabled, plus the travel in `stale_after`; "
+              "beyond: fault `sensors_disagree`. 0: not compared, as without an encoder",
+              not_negative, false, "0.05 rad or 0.005 m, and 2 counts of each sensor"},
           d.max_slip);
 }
 
@@ -179,12 +157,12 @@ template <class V>
 void visit_button(V& v, const RigNames& names, ButtonParams& b) {
   choose(v,
          Key{"use", "",
-             "function. hold: grips the nearest body when pressed, releases it when pressed again; clutch: "
-             "closes the clutch of a relative device while pressed"},
+             "hold: presses grip the nearest body and release it in turn; clutch: closes a relative device's "
+             "clutch while pressed"},
          button_use_names, b.use);
   visit_node(v, names, "CANopen node-ID", b.bus, b.node_id);
-  v.value(Key{"bit", "", "number of the bit among the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
-  v.value(Key{"active_low", "", "true if the input is 0 while pressed"}, b.active_low);
+  v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
+  v.value(Key{"active_low", "", "the input is 0 while pressed"}, b.active_low);
 }
 
 /// Default mechanics of a slider, equal to those of a hinge of 1e-3 kg m^2 and 1e-2 N m s/rad on a lever of
@@ -203,17 +181,13 @@ void visit_joint_plant(V& v, const std::array<std::string_view, 5>& otherwise, J
     v.value(Key{.name = name, .unit = unit, .meaning = meaning, .range = range, .otherwise = otherwise[i++]},
             x);
   };
-  value("inertia", "kg m^2 or kg", "inertia of a turn or mass of a slide, seen at the joint", positive,
-        p.inertia);
+  value("inertia", "kg m^2 or kg", "inertia or mass, seen at the joint", positive, p.inertia);
   value("damping", "N m s/rad or N s/m",
-        "viscous damping of a turn or a slide, without the hand. The margins of `godobject check` depend on "
-        "it: state it for a real device, too",
+        "without the hand; state it for a real device too: the margins of `godobject check` depend on it",
         not_negative, p.damping);
-  value("friction", "N m or N", "Coulomb friction of a turn or a slide", not_negative, p.friction);
-  value("hand_stiffness", "N m/rad or N/m", "stiffness of the user's arm at a turn or a slide", not_negative,
-        p.hand_stiffness);
-  value("hand_damping", "N m s/rad or N s/m", "damping of the user's arm at a turn or a slide", not_negative,
-        p.hand_damping);
+  value("friction", "N m or N", "Coulomb friction", not_negative, p.friction);
+  value("hand_stiffness", "N m/rad or N/m", "of the user's arm", not_negative, p.hand_stiffness);
+  value("hand_damping", "N m s/rad or N s/m", "of the user's arm", not_negative, p.hand_damping);
 }
 
 /// Returns the mechanics of a device whose file has none; slides have defaults of their own.
@@ -262,25 +236,23 @@ void advise_on_units(V& v, const std::vector<DeviceJoint>& joints,
 template <class V>
 void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
   visit_joint_plant(v,
-                    {"0.001; of a slide 0.1", "0.01; of a slide 1.0", "0.001; of a slide 0.01",
-                     "20.0; of a slide 500.0", "0.5; of a slide 10.0"},
+                    {"0.001, of a slide 0.1", "0.01, of a slide 1.0", "0.001, of a slide 0.01",
+                     "20.0, of a slide 500.0", "0.5, of a slide 10.0"},
                     p);
   take_numbers_of_all(v, p);
   std::vector<std::string> names;
   for (const DeviceJoint& joint : joints) names.push_back(joint.name);
   std::vector<PlantConfig::OfJoint> own = p.joints;
-  v.tables(TableKey{"joint",
-                    "Mechanics of one joint of the device, turn or slide, and of the hand at it. A missing "
-                    "key has the value of `[device.plant]`."},
-           own, [&](auto& t, PlantConfig::OfJoint& j) {
-             choose(t, Key{.name = "joint", .unit = "", .meaning = "name of the joint", .required = true},
-                    names, j.joint);
-             j.plant = p.of(j.joint);
-             constexpr std::string_view as_all = "as `[device.plant]`";
-             visit_joint_plant(t, {as_all, as_all, as_all, as_all, as_all}, j.plant);
-             t.check(j.joint.empty() || std::ranges::count(own, j.joint, &PlantConfig::OfJoint::joint) == 1,
-                     "joint", "has an earlier table");
-           });
+  v.tables(TableKey{"joint", "The same of one joint."}, own, [&](auto& t, PlantConfig::OfJoint& j) {
+    choose(t, Key{.name = "joint", .unit = "", .meaning = "", .required = true}, names, j.joint);
+    if constexpr (requires { t.keys_of("", "", ""); })
+      return t.keys_of("[device.plant]", "inertia", "hand_damping");
+    j.plant = p.of(j.joint);
+    constexpr std::string_view as_all = "as `[device.plant]`";
+    visit_joint_plant(t, {as_all, as_all, as_all, as_all, as_all}, j.plant);
+    t.check(j.joint.empty() || std::ranges::count(own, j.joint, &PlantConfig::OfJoint::joint) == 1, "joint",
+            "has an earlier table");
+  });
   advise_on_units(v, joints, own);
   for (const PlantConfig::OfJoint& j : p.joints)
     if (std::ranges::find(own, j.joint, &PlantConfig::OfJoint::joint) == own.end()) own.push_back(j);
@@ -289,38 +261,34 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
 
 template <class V>
 void visit_supervision(V& v, RigParams& rig) {
-  v.value(
-      Key{"stale_after", "s",
-          "age beyond which a sample is invalid: the pose is held and the force fades; default three steps",
-          positive},
-      rig.stale_after_s);
+  v.value(Key{"stale_after", "s", "age beyond which the pose is held and the force fades", positive, false,
+              "3 steps"},
+          rig.stale_after_s);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
-  v.value(Key{"lost_after", "s",
-              "time without a valid sample after which there is a fault; at least stale_after", positive},
-          rig.lost_after_s);
+  v.value(
+      Key{"lost_after", "s", "time without a valid sample until a fault; at least `stale_after`", positive},
+      rig.lost_after_s);
   v.check(rig.lost_after_s >= rig.stale_after_s, "lost_after", "must be at least stale_after");
-  v.value(Key{"boot_timeout", "s", "time limit from the start until every drive is enabled", positive},
-          rig.boot_timeout_s);
-  v.value(Key{"heartbeat_timeout", "s",
-              "time without a heartbeat of a node, once one arrived, after which there is a fault", positive},
+  v.value(Key{"boot_timeout", "s", "until every drive is enabled", positive}, rig.boot_timeout_s);
+  v.value(Key{"heartbeat_timeout", "s", "time without a node's heartbeat, once one arrived, until a fault",
+              positive},
           rig.heartbeat_timeout_s);
-  v.value(Key{"heartbeat_period", "s", "period of the host's own heartbeat", positive},
-          rig.heartbeat_period_s);
-  v.value(Key{"host_node_id", "", "node-ID of the host on every bus", {1, 127}}, rig.host_node_id);
+  v.value(Key{"heartbeat_period", "s", "of the host", positive}, rig.heartbeat_period_s);
+  v.value(Key{"host_node_id", "", "of the host on every bus", {1, 127}}, rig.host_node_id);
 }
 
 template <class V>
 void visit_joints(V& v, std::vector<DeviceJoint>& joints, RigNames& names) {
-  v.tables(TableKey{"joint",
-                    "One joint of the device and the link it carries, parents first. Without such tables the "
-                    "device has the joints of the tool, one for each coordinate."},
-           joints, [&](auto& t, DeviceJoint& j) {
-             visit_joint(t, names, j);
-             t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name",
-                     "is the name of an earlier joint");
-             names.joints.push_back(j.name);
-             names.kinds.push_back(j.kind);
-           });
+  v.tables(
+      TableKey{"joint",
+               "A joint of the device and its link, parents first. Without any: the tool's coordinates."},
+      joints, [&](auto& t, DeviceJoint& j) {
+        visit_joint(t, names, j);
+        t.check(std::ranges::find(names.joints, j.name) == names.joints.end(), "name",
+                "is the name of an earlier joint");
+        names.joints.push_back(j.name);
+        names.kinds.push_back(j.kind);
+      });
 }
 
 template <class V>
@@ -329,7 +297,7 @@ void visit_handle(V& v, const RigNames& names, HandleParams& h) {
          names.bodies, h.body);
   choose(v, Key{.name = "joint", .unit = "", .meaning = "joint on whose link it sits", .required = true},
          names.joints, h.joint);
-  visit_pose(v, "position", "orientation_wxyz", "the handle in the frame of that link", h.X_LH);
+  visit_pose(v, "position", "orientation_wxyz", "the handle on that link", h.X_LH);
 }
 
 /// The single handle defined by [device.chain] without a table of its own.
@@ -340,12 +308,9 @@ struct ShortHandle {
 
 template <class V>
 void visit_chain(V& v, Pose& X_WB, ShortHandle& handle) {
-  visit_pose(v, "base_position", "base_orientation_wxyz", "the device's base in the world", X_WB);
-  v.shorthand(Key{"handle_position", "m", "position of the only handle in the last joint's link frame"},
-              handle.X_LH.p);
-  v.shorthand(
-      Key{"handle_orientation_wxyz", "", "attitude of the only handle in the last joint's link frame"},
-      handle.X_LH.q);
+  visit_pose(v, "base_position", "base_orientation_wxyz", "the base in the world", X_WB);
+  v.shorthand(Key{"handle_position", "m", "the only handle on the last link"}, handle.X_LH.p);
+  v.shorthand(Key{"handle_orientation_wxyz", "", "its attitude"}, handle.X_LH.q);
   handle.given = v.has("handle_position") || v.has("handle_orientation_wxyz");
 }
 
@@ -353,14 +318,14 @@ template <class V>
 void visit_handles(V& v, const RigNames& names, const ShortHandle& handle,
                    const std::vector<HandleParams>& of_scene, std::vector<HandleParams>& handles) {
   std::set<std::string> held;
-  v.tables(TableKey{"handle",
-                    "Where the user holds a body of the tool. Without such tables there is one handle: for "
-                    "the first coupled body, on the link of the last joint, posed by `handle_position` in "
-                    "`[device.chain]`. With the joints of the tool there is one at each coupled body."},
-           handles, [&](auto& t, HandleParams& h) {
-             visit_handle(t, names, h);
-             t.check(held.insert(h.body).second, "body", "has an earlier handle");
-           });
+  v.tables(
+      TableKey{"handle",
+               "Where the user holds a body. Without any: one for the first coupled body on the last link, "
+               "at `handle_position` of `[device.chain]`; with the tool's joints one at each coupled body."},
+      handles, [&](auto& t, HandleParams& h) {
+        visit_handle(t, names, h);
+        t.check(held.insert(h.body).second, "body", "has an earlier handle");
+      });
   v.check(handles.empty() || !handle.given, "handle",
           "and handle_position in [device.chain] both place handles: remove one of them");
   v.check(of_scene.empty() || !handle.given, "",
@@ -386,7 +351,7 @@ template <class V>
 void visit_buttons(V& v, const RigNames& names, const std::set<std::pair<std::size_t, int>>& nodes,
                    RigParams& rig) {
   std::set<std::array<std::size_t, 3>> bits;
-  v.tables(TableKey{"button", "A button: a digital input of a CiA 401 node."}, rig.buttons,
+  v.tables(TableKey{"button", "A digital input of a CiA 401 node."}, rig.buttons,
            [&](auto& t, ButtonParams& b) {
              visit_button(t, names, b);
              if (!understands_node(t)) return;
@@ -411,7 +376,7 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
     visit_encoder(t, names, e);
     check_node(t, e.bus, e.node_id);
   });
-  v.tables(TableKey{"drive", "A motor drive commanded in torque; with CiA 402 in the mode CST."}, rig.drives,
+  v.tables(TableKey{"drive", "A drive commanded in torque; CiA 402: mode CST."}, rig.drives,
            [&](auto& t, DriveParams& d) {
              visit_drive(t, names, d);
              check_node(t, d.bus, d.node_id);
@@ -484,10 +449,10 @@ template <class V>
 PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std::vector<std::string> bodies,
                         RigParams& rig) {
   bool has_supervision = given == PartsOfDevice::rig, has_chain = given != PartsOfDevice::none;
-  v.table(TableKey{"supervision", "Time limits of samples, heartbeats and booting."}, has_supervision,
+  v.table(TableKey{"supervision", "Time limits."}, has_supervision,
           [&](auto& t) { visit_supervision(t, rig); });
   ShortHandle handle;
-  v.table(TableKey{"chain", "Pose of the device's base, and of its only handle."}, has_chain,
+  v.table(TableKey{"chain", "Base, and only handle."}, has_chain,
           [&](auto& t) { visit_chain(t, rig.tree.X_WB, handle); });
   RigNames names{.bodies = std::move(bodies), .buses = {}, .joints = {}, .kinds = {}};
   for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
@@ -531,18 +496,16 @@ inline std::vector<std::string> holdable_bodies(SceneConfig scene, const DeviceC
 
 template <class V>
 void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& buses, DeviceConfig& d) {
-  visit_name(v, "name of the device", d.name);
-  choose(v, Key{"kind", "", "kind of its inputs and outputs: poses, increments or wrenches"},
-         device_kind_names, d.kind);
+  visit_name(v, "", d.name);
+  choose(v, Key{"kind", "", "see Devices above"}, device_kind_names, d.kind);
   visit_grabbing(v, scene, d);
-  plain_table(v, TableKey{"limits", "Bounds of the displayed wrench, and the ramp on engaging."},
+  plain_table(v, TableKey{"limits", "Bounds of the displayed wrench, and ramps."},
               [&](auto& t) { visit_limits(t, d.limits); });
   RigParams rig = d.rig.value_or(RigParams{.buses = buses,
                                            .tree = d.unmeasured_tree.value_or(KinematicTreeParams{}),
                                            .encoders = {},
                                            .drives = {}});
   rig.buses = buses;
-  rig.cycle_s = scene.step;
   const bool is_new = !d.rig;
   if (is_new) rig.stale_after_s = default_stale_steps * scene.step;
   const PartsOfDevice given = d.rig               ? PartsOfDevice::rig
@@ -560,13 +523,10 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
                                           : d.unmeasured_tree ? d.unmeasured_tree->joints
                                                               : std::vector<DeviceJoint>{};
   if (given == PartsOfDevice::none) d.plant = default_plant(joints);
-  plain_table(v, TableKey{"plant", "The simulated mechanics of the device and the hand that holds it."},
+  plain_table(v, TableKey{"plant", "Simulated mechanics of device and hand."},
               [&](auto& t) { visit_plant(t, joints, d.plant); });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
-  optional_table(v,
-                 TableKey{"spacemouse",
-                          "A SpaceMouse, or another 6-DoF mouse that spacenavd supports: the deflection of "
-                          "its cap sets the velocity of the target (docs/trackers.md)."},
+  optional_table(v, TableKey{"spacemouse", "A SpaceMouse ([trackers](trackers.md#spacemouse))."},
                  d.spacemouse,
                  [&](auto& t, SpaceMouseConfig& s) { visit_spacemouse(t, holdable_bodies(scene, d), s); });
   if (d.spacemouse) check_spacemouse(v, d);

@@ -1,10 +1,10 @@
-// Keys by which a device grips and releases bodies. Visitors: platform/scene/text/visit.h.
+// Keys by which a device grips and releases bodies. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <algorithm>
 
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -25,16 +25,10 @@ void check_held(V& v, const SceneConfig& scene, std::string_view key, const std:
 
 template <class V>
 void visit_grabbing(V& v, const SceneConfig& scene, DeviceConfig& d) {
-  v.value(Key{"holds", "",
-              "body held at the start. With this key, `grab_radius` or `[[motion.hold]]` the device grips "
-              "and releases coupled bodies, one at a time"},
-          d.holds);
+  v.value(Key{"holds", "", "body held at the start; see Gripping above"}, d.holds);
   check_held(v, scene, "holds", d.holds);
-  v.value(
-      Key{"grab_radius", "m",
-          "reach of \"nearest\" and of the button, from the device to the centre of mass of a coupled body",
-          positive},
-      d.grab_radius);
+  v.value(Key{"grab_radius", "m", "reach of gripping, from the device to a centre of mass", positive},
+          d.grab_radius);
 }
 
 template <class V>
@@ -42,17 +36,13 @@ void visit_holds(V& v, const SceneConfig& scene, std::vector<HoldConfig>& holds)
   const bool has_radius = scene.device && scene.device->grab_radius;
   double before = -1;
   v.tables(
-      TableKey{"hold", "From this time on the device holds this body, at the pose of the body at that time.",
-               false, 10'000},
+      TableKey{"hold", "From this time on the device holds this body, at the body's pose.", false, 10'000},
       holds, [&](auto& t, HoldConfig& hold) {
-        t.value(Key{"time", "s", "start time, later than that of the previous table", not_negative, true},
-                hold.time);
+        t.value(Key{"time", "s", "later than that of the previous table", not_negative, true}, hold.time);
         t.check(hold.time > before, "time", "must be later than that of the previous table");
         before = hold.time;
-        t.value(
-            Key{"body", "",
-                "name of a coupled body, or \"nearest\" within `grab_radius`; empty: releases the held body"},
-            hold.body);
+        t.value(Key{"body", "", "coupled body, or \"nearest\" within `grab_radius`; empty: releases"},
+                hold.body);
         if (hold.body != nearest_body) return check_held(t, scene, "body", hold.body);
         t.check(has_radius, "body", "is \"nearest\", which requires [device] 'grab_radius': add it");
       });

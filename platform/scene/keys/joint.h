@@ -1,4 +1,4 @@
-// All keys of a [[joint]]. Visitors: platform/scene/text/visit.h.
+// All keys of a [[joint]]. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <array>
@@ -7,11 +7,9 @@
 #include <set>
 
 #include "core/math/so3.h"
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
-#include "platform/scene/joint/tree.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -28,33 +26,39 @@ inline std::string rounded(double x) {
   return text.data();
 }
 
+/// Visits an end of a stop. end: infinite without a stop at this end.
+template <class V>
+void visit_stop_end(V& v, const Key& key, double& end) {
+  std::optional<double> given;
+  if (std::isfinite(end)) given = end;
+  v.value(key, given);
+  if (given) end = *given;
+}
+
 template <class V>
 void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
   const bool only_one = j.coordinates.size() == 1, none = num_coordinates(j.kind) == 0;
   if (s.coordinate.empty() && only_one) s.coordinate = j.coordinates.front();
   const Key coordinate{.name = "coordinate",
                        .unit = "",
-                       .meaning = "name of one of the joint's coordinates",
+                       .meaning = "one of the joint's coordinates",
                        .required = !only_one && !none,
-                       .otherwise = "the joint's only one"};
+                       .otherwise = "the only one"};
   if (none) v.value(coordinate, s.coordinate);
   else choose(v, coordinate, j.coordinates, s.coordinate);
   v.check(
       !none, "",
       "joint '" + j.name +
           "' has no coordinate for a stop: remove the [[joint.stop]] table, or use another kind of joint");
-  v.value(Key{"lower", "rad or m", "lower end of travel; turns are counted, beyond +-pi too"}, s.lower);
-  v.value(Key{"upper", "rad or m", "upper end of travel, above `lower`"}, s.upper);
-  v.check(s.lower || s.upper, "", "the stop has no end: give lower, upper or both");
-  v.check(!(s.lower && s.upper) || *s.lower < *s.upper, "upper", "must be above lower");
-  v.value(Key{"stiffness", "N m/rad or N/m", "stiffness of the stop beyond `width`", positive, true},
-          s.stiffness);
-  v.value(Key{"damping", "N m s/rad or N s/m", "damping of the stop beyond `width`, acting inwards only",
-              not_negative},
-          s.damping);
-  v.value(Key{"width", "rad or m", "travel over which stiffness and damping rise smoothly from zero",
-              positive, true},
-          s.width);
+  visit_stop_end(v, Key{"lower", "rad or m", "lower end; turns are counted, beyond +-pi too"},
+                 s.params.lower);
+  visit_stop_end(v, Key{"upper", "rad or m", "upper end"}, s.params.upper);
+  v.check(std::isfinite(s.params.lower) || std::isfinite(s.params.upper), "",
+          "the stop has no end: give lower, upper or both");
+  v.check(s.params.lower < s.params.upper, "upper", "must be above lower");
+  v.value(Key{"stiffness", "N m/rad or N/m", "beyond `width`", positive, true}, s.params.k);
+  v.value(Key{"damping", "N m s/rad or N s/m", "beyond `width`, inwards only", not_negative}, s.params.g);
+  v.value(Key{"width", "rad or m", "travel over which both rise from zero", positive, true}, s.params.width);
 }
 
 template <class V>
@@ -62,10 +66,10 @@ void visit_joint_ends(V& v, const std::vector<std::string>& bodies, JointConfig&
   const auto is_body = [&](const std::string& name) {
     return std::ranges::find(bodies, name) != bodies.end();
   };
-  v.value(Key{"parent", "", "name of the parent body, or \"world\""}, j.parent);
+  v.value(Key{"parent", "", "parent body, or \"world\""}, j.parent);
   v.check(j.parent == world_name || is_body(j.parent), "parent",
           "is \"" + j.parent + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
-  v.value(Key{.name = "child", .unit = "", .meaning = "name of the child body", .required = true}, j.child);
+  v.value(Key{.name = "child", .unit = "", .meaning = "child body", .required = true}, j.child);
   v.check(j.child != world_name, "child", "is the world, which cannot be a child: swap parent and child");
   v.check(j.child.empty() || j.child == world_name || is_body(j.child), "child",
           "is \"" + j.child + "\", which is not a body: admissible is " + quoted(bodies));
@@ -76,8 +80,8 @@ void visit_joint_frames(V& v, JointConfig& j) {
   Vec3 axis = Vec3::UnitZ();
   v.shorthand(Key{.name = "axis",
                   .unit = "",
-                  .meaning = "axis of a hinge, slider or cylindrical joint: unit vector, equal in both "
-                             "bodies at coordinate zero, along which z of both frames is turned",
+                  .meaning = "of a hinge, slider or cylindrical joint: unit vector, equal in both bodies at "
+                             "coordinate zero, instead of orientations",
                   .otherwise = "none"},
               axis);
   if (v.has("axis")) {
@@ -88,40 +92,32 @@ void visit_joint_frames(V& v, JointConfig& j) {
             "and the orientations of the frames both give the axis: remove one of them");
     j.X_BP.q = j.X_BC.q = turn_from_z(axis);
   }
-  visit_pose(
-      v, "parent_position", "parent_orientation_wxyz",
-      "the joint frame on the parent, in its axes about its centre of mass; on the world in the world's",
-      j.X_BP);
-  visit_pose(v, "child_position", "child_orientation_wxyz",
-             "the joint frame on the child, in its axes about its centre of mass", j.X_BC);
+  visit_pose(v, "parent_position", "parent_orientation_wxyz", "the joint's frame on the parent", j.X_BP);
+  visit_pose(v, "child_position", "child_orientation_wxyz", "the joint's frame on the child", j.X_BC);
 }
 
 template <class V>
 void visit_coordinates(V& v, JointConfig& j) {
   if (j.coordinates.empty()) j.coordinates = default_coordinates(j.name, j.kind);
-  v.value(
-      Key{.name = "coordinates",
-          .unit = "",
-          .meaning = "names of its coordinates: turns (rad), then slides (m). The universal joint's first "
-                     "is about x of the parent's frame, its second about y of the child's",
-          .otherwise = "the joint's name; of two, with `_turn`, `_slide` or `_x`, `_y` behind it"},
-      j.coordinates);
+  v.value(Key{.name = "coordinates",
+              .unit = "",
+              .meaning = "names of its turns (rad), then slides (m)",
+              .otherwise = "the joint's name; of two with `_turn`, `_slide` or `_x`, `_y`"},
+          j.coordinates);
   const std::size_t n = num_coordinates(j.kind);
   v.check(j.coordinates.size() == n, "coordinates",
           "are " + std::to_string(j.coordinates.size()) + ": a joint of this kind has " + std::to_string(n));
   v.check(std::ranges::all_of(j.coordinates, is_plain_name), "coordinates",
           "must each be one or more letters, digits, '_' or '-'");
-  v.value(
-      Key{"imposed", "", "true if its coordinates are prescribed by the device's joints of the same names"},
-      j.imposed);
+  v.value(Key{"imposed", "", "prescribed by the device's joints of the same names"}, j.imposed);
   v.check(!j.imposed || n > 0, "imposed", "has no meaning for a joint without named coordinates");
 }
 
 template <class V>
 void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
-  visit_name(v, "name of the joint: columns of traces start with it", j.name);
+  visit_name(v, "name, in columns of traces", j.name);
   std::size_t kind = static_cast<std::size_t>(j.kind) - 1;
-  static const std::string meaning = "motion of the child relative to the parent: " + joint_kind_meanings();
+  static const std::string meaning = "motion of the child: " + joint_kind_meanings();
   v.one_of(Key{"kind", "", meaning}, joint_kind_names(), kind);
   j.kind = static_cast<JointKind>(kind + 1);
   visit_joint_ends(v, bodies, j);
@@ -146,8 +142,8 @@ void visit_tool_joints(V& v, SceneConfig& s) {
   std::set<std::string> names, coordinates;
   JointTree tree;
   v.tables(TableKey{"joint",
-                    "A joint between two bodies, or a body and the world. It has a frame on each; they "
-                    "coincide at coordinate zero.",
+                    "A joint of two bodies, or of a body and the world. Its frames on both coincide at "
+                    "coordinate zero.",
                     false, max_tables_of_bodies},
            s.joints, [&](auto& t, JointConfig& j) {
              visit_tool_joint(t, bodies, j);

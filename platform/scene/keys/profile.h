@@ -4,8 +4,8 @@
 #include <set>
 
 #include "hal/canopen/pdo_map.h"
+#include "platform/scene/text/key.h"
 #include "platform/scene/text/toml_reader.h"
-#include "platform/scene/text/visit.h"
 
 namespace godobject {
 
@@ -34,10 +34,9 @@ inline constexpr Range unsigned_8{0, 255}, unsigned_16{0, 65535}, unsigned_32{0,
 template <class V>
 void read_identity(V& t, std::vector<ProfileObject>& out) {
   using canopen::ObjectType;
-  read_object(t, Key{"device_profile", "", "device profile, low word of 1000h: 402 or 406", unsigned_16},
-              {0x1000, 0}, ObjectType::u32, out);
-  read_object(t, Key{"vendor", "", "vendor, 1018h:01; objects not given are not checked", unsigned_32},
-              {0x1018, 1}, ObjectType::u32, out);
+  read_object(t, Key{"device_profile", "", "low word of 1000h: 402 or 406", unsigned_16}, {0x1000, 0},
+              ObjectType::u32, out);
+  read_object(t, Key{"vendor", "", "1018h:01", unsigned_32}, {0x1018, 1}, ObjectType::u32, out);
   read_object(t, Key{"product", "", "1018h:02", unsigned_32}, {0x1018, 2}, ObjectType::u32, out);
   read_object(t, Key{"revision", "", "1018h:03", unsigned_32}, {0x1018, 3}, ObjectType::u32, out);
   read_object(t, Key{"serial", "", "1018h:04", unsigned_32}, {0x1018, 4}, ObjectType::u32, out);
@@ -47,15 +46,13 @@ template <class V>
 void read_timeouts(V& t, NodeProfile& p) {
   t.value(Key{"boot",
               "s",
-              "time limit from reset communication to the boot-up message",
+              "from reset communication to the boot-up message",
               {.min = 0, .max = 60, .min_open = true}},
           p.boot_timeout_s);
-  t.value(
-      Key{"sdo", "s", "time limit of each answer to an SDO request", {.min = 0, .max = 60, .min_open = true}},
-      p.sdo_timeout_s);
+  t.value(Key{"sdo", "s", "of each answer", {.min = 0, .max = 60, .min_open = true}}, p.sdo_timeout_s);
   t.value(Key{"mode",
               "s",
-              "time limit from writing 6060h to the same value in 6061h",
+              "from writing 6060h to the same value in 6061h",
               {.min = 0, .max = 60, .min_open = true}},
           p.mode_timeout_s);
 }
@@ -64,16 +61,12 @@ template <class V>
 void read_heartbeat(V& t, NodeProfile& p) {
   read_optional(
       t,
-      Key{"period_ms", "ms",
-          "period of the node's heartbeat, 1017h; at least two within the scene's `heartbeat_timeout`",
-          unsigned_16},
+      Key{"period_ms", "ms", "of the node, 1017h; at most half the scene's `heartbeat_timeout`", unsigned_16},
       p.heartbeat_ms);
-  read_optional(
-      t,
-      Key{"host_timeout_ms", "ms",
-          "time limit of the host's heartbeat, 1016h:01; at least two of the scene's `heartbeat_period`",
-          unsigned_16},
-      p.host_timeout_ms);
+  read_optional(t,
+                Key{"host_timeout_ms", "ms",
+                    "of the host, 1016h:01; at least two of the scene's `heartbeat_period`", unsigned_16},
+                p.host_timeout_ms);
 }
 
 template <class V>
@@ -85,28 +78,18 @@ void read_drive(V& t, NodeProfile& p) {
               p.before_map);
   read_object(t, Key{"abort_connection_option", "", "6007h", option}, {0x6007, 0}, ObjectType::i16,
               p.before_map);
-  read_optional(t,
-                Key{"torque_rated_unit_Nm", "N m",
-                    "torque of one count of 6076h; if missing, 6076h is not checked", positive},
-                p.torque_rated_unit_Nm);
-  read_optional(t, Key{"interpolation_time", "", "true if 60C2h is set to the scene's step"},
-                p.interpolation_time);
-  read_optional(t,
-                Key{"mode",
-                    "",
-                    "mode, written to 6060h and checked in 6061h: 10 is CST, 4 profile torque",
-                    {-128, 127}},
-                p.mode);
+  read_optional(
+      t,
+      Key{"torque_rated_unit_Nm", "N m", "of one count of 6076h; without it 6076h is not checked", positive},
+      p.torque_rated_unit_Nm);
+  read_optional(t, Key{"interpolation_time", "", "60C2h is set to the scene's step"}, p.interpolation_time);
+  read_optional(t, Key{"mode", "", "6060h, checked in 6061h: 10 CST, 4 profile torque", {-128, 127}}, p.mode);
   constexpr Range bit{-1, 15};
   read_optional(
-      t,
-      Key{"follows_bit", "",
-          "bit of 6041h that is set while the drive follows 6071h; -1: no such bit; default 12", bit},
+      t, Key{"follows_bit", "", "of 6041h, set while the drive follows 6071h; default 12; -1: none", bit},
       p.follows_bit);
   read_optional(
-      t,
-      Key{"limit_bit", "",
-          "bit of 6041h that is set while the drive limits the torque; -1: no such bit; default 11", bit},
+      t, Key{"limit_bit", "", "of 6041h, set while the drive limits the torque; default 11; -1: none", bit},
       p.limit_bit);
 }
 
@@ -114,7 +97,7 @@ template <class V>
 void read_map(V& t, PdoProfile& pdo) {
   const Key key{.name = "map",
                 .unit = "",
-                .meaning = "objects in the order of the frame, by name or as \"6077h:00:16\"",
+                .meaning = "objects in order, by name or as \"6077h:00:16\"",
                 .required = true};
   std::vector<std::string> names;
   t.value(key, names);
@@ -136,10 +119,7 @@ void read_map(V& t, PdoProfile& pdo) {
 template <class V>
 void read_pdo(V& t, PdoProfile& pdo) {
   std::size_t which = 0;
-  t.one_of(Key{.name = "pdo",
-               .unit = "",
-               .meaning = "PDO of the node: rpdo1 to rpdo4, tpdo1 to tpdo4",
-               .required = true},
+  t.one_of(Key{.name = "pdo", .unit = "", .meaning = "rpdo1 to rpdo4, tpdo1 to tpdo4", .required = true},
            {"rpdo1", "rpdo2", "rpdo3", "rpdo4", "tpdo1", "tpdo2", "tpdo3", "tpdo4"}, which);
   pdo.direction = which < 4 ? PdoDirection::receive : PdoDirection::transmit;
   pdo.number = static_cast<int>(which % 4) + 1;
@@ -147,8 +127,8 @@ void read_pdo(V& t, PdoProfile& pdo) {
   const bool transmit = pdo.direction == PdoDirection::transmit;
 
   const Key transmission{"transmission", "",
-                         "transmission type, xx:02: 1 to 240 every n-th SYNC, 254 and 255 by event; TPDOs by "
-                         "default `status_every_nth_sync` of the scene",
+                         "xx:02: 1 to 240 every n-th SYNC, 254 and 255 by event; default of TPDOs: the "
+                         "scene's `status_every_nth_sync`",
                          unsigned_8};
   std::optional<FromLine<std::uint8_t>> type;
   read_optional(t, transmission, type);
@@ -158,13 +138,12 @@ void read_pdo(V& t, PdoProfile& pdo) {
   pdo.transmission = type.value_or(FromLine<std::uint8_t>{.value = 1, .line = pdo.line});
 
   std::optional<FromLine<std::uint16_t>> event_timer, deadline;
-  read_optional(t, Key{"inhibit_100us", "100 us", "inhibit time of a TPDO, xx:03", unsigned_16},
-                pdo.inhibit_100us);
+  read_optional(t, Key{"inhibit_100us", "100 us", "of a TPDO, xx:03", unsigned_16}, pdo.inhibit_100us);
   read_optional(t, Key{"event_timer_ms", "ms", "period of a TPDO, xx:05", unsigned_16}, event_timer);
-  read_optional(t,
-                Key{"deadline_ms", "ms",
-                    "deadline of an RPDO, xx:05, after which a node that supports it reacts", unsigned_16},
-                deadline);
+  read_optional(
+      t,
+      Key{"deadline_ms", "ms", "of an RPDO, xx:05, after which a node that supports it reacts", unsigned_16},
+      deadline);
   t.check(transmit || !pdo.inhibit_100us, "inhibit_100us", "is a key of TPDOs: remove it");
   t.check(transmit || !event_timer, "event_timer_ms", "is a key of TPDOs: use deadline_ms for an RPDO");
   t.check(!transmit || !deadline, "deadline_ms", "is a key of RPDOs: use event_timer_ms for a TPDO");
@@ -178,34 +157,31 @@ void read_pdo(V& t, PdoProfile& pdo) {
 template <class V>
 void read_write(V& t, ProfileObject& object, bool& after_map) {
   constexpr Range any_write{-2147483648.0, 4294967295.0};
-  t.value(Key{"index", "", "of the object", {0x1000, 0xFFFF}, true}, object.address.index);
-  t.value(Key{"sub", "", "its sub-index", unsigned_8}, object.address.sub);
+  t.value(Key{"index", "", "", {0x1000, 0xFFFF}, true}, object.address.index);
+  t.value(Key{"sub", "", "", unsigned_8}, object.address.sub);
   std::size_t type = static_cast<std::size_t>(canopen::ObjectType::u32);
-  t.one_of(Key{.name = "type",
-               .unit = "",
-               .meaning = "type of the object: u8, u16, u32, i8, i16 or i32",
-               .required = true},
+  t.one_of(Key{.name = "type", .unit = "", .meaning = "u8, u16, u32, i8, i16 or i32", .required = true},
            {canopen::object_type_names.begin(), canopen::object_type_names.end() - 1}, type);
   object.type = static_cast<canopen::ObjectType>(type);
-  t.value(Key{"value", "", "value to write", any_write, true}, object.value);
+  t.value(Key{"value", "", "", any_write, true}, object.value);
   t.check(canopen::in_range(object.type, object.value), "value",
           std::string("does not fit into ") + canopen::object_type_names[type]);
-  t.value(Key{"after_map", "", "true if written after the PDO mapping instead of before it"}, after_map);
+  t.value(Key{"after_map", "", "written after the PDO mapping, not before"}, after_map);
   object.line = t.line_of("value");
 }
 
 template <class V>
 void read_profile(V& t, NodeProfile& p) {
-  t.value(Key{"about", "", "purpose of the profile, and its untested parts"}, p.about);
+  t.value(Key{"about", "", "purpose, and untested parts"}, p.about);
   const auto table = [&](const TableKey& key, auto read) {
     bool present = false;
     t.table(key, present, read);
   };
-  table({"identity", "Required values of 1000h and 1018h."}, [&](auto& s) { read_identity(s, p.identity); });
+  table({"identity", "Required values; objects not given are not checked."},
+        [&](auto& s) { read_identity(s, p.identity); });
   table({"timeout", "Time limits of the host."}, [&](auto& s) { read_timeouts(s, p); });
-  table({"heartbeat", "Heartbeats of the node, and of the host as supervised by the node."},
-        [&](auto& s) { read_heartbeat(s, p); });
-  table({"drive", "Of CiA 402."}, [&](auto& s) { read_drive(s, p); });
+  table({"heartbeat", "Heartbeats."}, [&](auto& s) { read_heartbeat(s, p); });
+  table({"drive", "CiA 402."}, [&](auto& s) { read_drive(s, p); });
   std::set<std::pair<PdoDirection, int>> pdos;
   t.tables(TableKey{"pdo", "A PDO to set up; TPDOs without a table are switched off."}, p.pdos,
            [&](auto& s, PdoProfile& pdo) {

@@ -1,5 +1,5 @@
 // All keys of a scene file with name, unit, range, meaning and member. Keys below [device], [[joint]] and of
-// contacts have files of their own. Visitors: platform/scene/text/visit.h.
+// contacts have files of their own. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <cmath>
@@ -7,15 +7,15 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "platform/scene/checks.h"
 #include "platform/scene/keys/contact.h"
 #include "platform/scene/keys/device.h"
 #include "platform/scene/keys/fault.h"
 #include "platform/scene/keys/hold.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
-#include "platform/scene/plausible.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -43,46 +43,40 @@ void advise_ratio(V& v, std::string_view key, double damping, double critical_da
 /// Visits the four gains. A gain that is not given keeps its value, or has the damping ratio `ratio` if this
 /// is set.
 template <class V>
-void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, CouplingConfig& c) {
+void visit_gains(V& v, const Massiveness& body, std::optional<double> ratio, SpringParams& c) {
   const auto fallback = [&](double unit, double gain) { return ratio ? *ratio * unit : gain; };
   const bool required = ratio.has_value();
-  v.value(Key{"stiffness", "N/m", "translational spring stiffness k", {0, 1e13}, required}, c.stiffness);
-  const double g_unit = critical(body.mass, c.stiffness);
-  v.either(
-      Key{"damping", "N s/m", "translational damping g; or give `damping_ratio`", not_negative},
-      Key{"damping_ratio", "", "g / sqrt(m k); 1.4 by default in a coupling, advised 1.4 to 2", {0, 1e3}},
-      g_unit, fallback(g_unit, c.damping), c.damping);
-  v.value(Key{"rotational_stiffness", "N m/rad", "rotational spring stiffness k_r", {0, 1e13}, required},
-          c.rotational_stiffness);
-  const double g_r_unit = critical(body.inertia, c.rotational_stiffness);
-  v.either(Key{"rotational_damping", "N m s/rad",
-               "rotational damping g_r; or give `rotational_damping_ratio`", not_negative},
-           Key{"rotational_damping_ratio",
-               "",
-               "g_r / sqrt(I_max k_r); 1.4 by default in a coupling, advised 1.4 to 2",
-               {0, 1e3}},
-           g_r_unit, fallback(g_r_unit, c.rotational_damping), c.rotational_damping);
+  v.value(Key{"stiffness", "N/m", "translational stiffness k", {0, 1e13}, required}, c.k);
+  const double g_unit = critical(body.mass, c.k);
+  v.either(Key{"damping", "N s/m", "translational damping g", not_negative},
+           Key{"damping_ratio", "", "g / sqrt(m k), default 1.4, advised 1.4 to 2", {0, 1e3}}, g_unit,
+           fallback(g_unit, c.g), c.g);
+  v.value(Key{"rotational_stiffness", "N m/rad", "rotational stiffness k_r", {0, 1e13}, required}, c.k_r);
+  const double g_r_unit = critical(body.inertia, c.k_r);
+  v.either(Key{"rotational_damping", "N m s/rad", "rotational damping g_r", not_negative},
+           Key{"rotational_damping_ratio", "", "g_r / sqrt(I_max k_r), the same", {0, 1e3}}, g_r_unit,
+           fallback(g_r_unit, c.g_r), c.g_r);
 }
 
 template <class V>
-void visit_coupling(V& v, const Massiveness& body, CouplingConfig& c) {
+void visit_coupling(V& v, const Massiveness& body, SpringParams& c) {
   visit_gains(v, body, default_damping_ratio, c);
-  advise_ratio(v, "damping", c.damping, critical(body.mass, c.stiffness));
-  advise_ratio(v, "rotational_damping", c.rotational_damping, critical(body.inertia, c.rotational_stiffness));
+  advise_ratio(v, "damping", c.g, critical(body.mass, c.k));
+  advise_ratio(v, "rotational_damping", c.g_r, critical(body.inertia, c.k_r));
 }
 
 template <class V>
-void visit_feedback(V& v, const Massiveness& body, const CouplingConfig& coupling, FeedbackConfig& f) {
+void visit_feedback(V& v, const Massiveness& body, const SpringParams& coupling, SpringParams& f) {
   double scale = 0;
   v.shorthand(Key{"scale",
                   "",
-                  "factor of the coupling's stiffness, for each stiffness not given here. Damping is not "
-                  "scaled: sampled damping requires as much damping in the device",
+                  "factor of the coupling's stiffnesses, where none is given here; not of damping, which "
+                  "requires as much in the device",
                   {0, 1e3}},
               scale);
-  if (scale > 0)
-    f = {.stiffness = scale * coupling.stiffness,
-         .rotational_stiffness = scale * coupling.rotational_stiffness};
+  if (scale > 0) f = {.k = scale * coupling.k, .k_r = scale * coupling.k_r};
+  if constexpr (requires { v.keys_of("", "", ""); })
+    return v.keys_of("[body.coupling]", "stiffness", "rotational_damping_ratio");
   visit_gains(v, body, std::nullopt, f);
 }
 
@@ -91,8 +85,8 @@ template <class V>
 void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   std::string like;
   v.shorthand(Key{"like", "",
-                  "name of an earlier body, from which missing keys are copied (a damping ratio as its "
-                  "damping), except name, pose and velocity. A list of tables is copied as a whole"},
+                  "earlier body, whose keys are copied where missing (a damping ratio as its damping), "
+                  "except name, pose and velocity; a list of tables as a whole"},
               like);
   if (like.empty()) return;
   const auto earlier = std::ranges::find_if(
@@ -109,29 +103,26 @@ void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
 
 template <class V>
 void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
-  visit_name(v, "name of the body: columns of traces and motions start with it", b.name);
+  visit_name(v, "name, in columns of traces and motions", b.name);
   visit_like(v, bodies, b);
   const bool own = !v.has("like");
-  v.value(Key{"mass", "kg", "mass", {1e-12, 1e9}, own}, b.mass);
-  v.inertia(Key{"inertia", "kg m^2", "inertia about the centre of mass in body axes", any_number, own},
-            b.inertia);
+  v.value(Key{"mass", "kg", "", {1e-12, 1e9}, own}, b.mass);
+  v.inertia(Key{"inertia", "kg m^2", "about the centre of mass, body axes", any_number, own}, b.inertia);
   visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
-  v.value(Key{"velocity", "m/s", "velocity of the centre of mass at t = 0, world axes"}, b.V_WB.v);
-  v.value(Key{"angular_velocity", "rad/s", "angular velocity at t = 0, world axes"}, b.V_WB.w);
+  v.value(Key{"velocity", "m/s", "at t = 0"}, b.V_WB.v);
+  v.value(Key{"angular_velocity", "rad/s", "at t = 0"}, b.V_WB.w);
   const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   const Massiveness body{b.mass, I_max};
-  optional_table(v,
-                 TableKey{"coupling",
-                          "Spring and damper that pull the body to its target; without it the body is free."},
-                 b.coupling, [&](auto& t, CouplingConfig& c) { visit_coupling(t, body, c); });
-  optional_table(v,
-                 TableKey{"feedback",
-                          "Spring and damper of the displayed wrench; without it there is no haptic "
-                          "feedback. Same keys as the coupling's, and `scale`."},
-                 b.feedback, [&](auto& t, FeedbackConfig& f) {
-                   t.check(b.coupling.has_value(), "", "feedback requires a coupling: add [body.coupling]");
-                   visit_feedback(t, body, b.coupling.value_or(CouplingConfig{}), f);
-                 });
+  optional_table(v, TableKey{"coupling", "Spring and damper to the target; without it the body is free."},
+                 b.coupling, [&](auto& t, SpringParams& c) { visit_coupling(t, body, c); });
+  optional_table(
+      v,
+      TableKey{"feedback",
+               "Spring and damper of the displayed wrench, 0 by default; without it there is none."},
+      b.feedback, [&](auto& t, SpringParams& f) {
+        t.check(b.coupling.has_value(), "", "feedback requires a coupling: add [body.coupling]");
+        visit_feedback(t, body, b.coupling.value_or(SpringParams{}), f);
+      });
   visit_spheres_and_shapes(v, b);
   const auto doubt = [&](std::string_view key, const std::string& text) {
     v.advise(text.empty(), key, text);
@@ -142,72 +133,62 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
 
 template <class V>
 void visit_header(V& v, SceneConfig& s) {
-  visit_name(v, "short name of the scene", s.name);
-  v.value(Key{"about", "", "purpose of the scene in one line"}, s.about);
-  v.value(Key{"step", "s", "step h: fixed time step, and period of the loop", {1e-6, 0.1}}, s.step);
+  visit_name(v, "", s.name);
+  v.value(Key{"about", "", "purpose in one line"}, s.about);
+  v.value(Key{"step", "s", "step h, and period of the loop", {1e-6, 0.1}}, s.step);
   v.advise(s.step <= max_advised_step, "step",
            "is above 2 ms: the hand feels the delay, and feedback gains must be low; use a shorter step");
-  v.value(
-      Key{"duration", "s", "duration of a run without --duration", {.min = 0, .max = 1e6, .min_open = true}},
-      s.duration);
+  v.value(Key{"duration", "s", "of a run without --duration", {.min = 0, .max = 1e6, .min_open = true}},
+          s.duration);
   choose(v,
          Key{.name = "integrator",
              .unit = "",
-             .meaning = "time-stepping scheme: \"implicit-euler\" or \"tr-bdf2\"",
-             .otherwise = "`\"tr-bdf2\"`; where bodies may touch each other `\"implicit-euler\"`"},
+             .meaning = "`\"implicit-euler\"` or `\"tr-bdf2\"`",
+             .otherwise = "`\"tr-bdf2\"`, among touching bodies `\"implicit-euler\"`"},
          {integrator_names.begin(), integrator_names.end()}, s.integrator);
   choose(v,
          Key{"coupling", "",
-             "god-object: each [body.coupling] pulls its body; imposed: driven bodies are placed at their "
-             "targets in every step"},
+             "god-object: [body.coupling] pulls; imposed, for comparisons: bodies are placed at their "
+             "targets, through anything"},
          coupling_names, s.coupling);
-  v.value(Key{"gravity", "m/s^2", "world axes"}, s.gravity);
+  v.value(Key{"gravity", "m/s^2", ""}, s.gravity);
   v.value(Key{"net_iterations",
               "",
-              "largest number of iterations of conjugate gradients in a stage of nets; their residual is "
-              "residual_N of the report",
+              "most conjugate gradients in a net stage; residual: `residual_N` of the report",
               {1, 1000}},
           s.net_iterations);
 }
 
 template <class V>
 void visit_coordinate_motion(V& v, const std::vector<std::string>& device_joints, CoordinateMotion& m) {
-  choose(v,
-         Key{.name = "coordinate", .unit = "", .meaning = "name of a joint of the device", .required = true},
+  choose(v, Key{.name = "coordinate", .unit = "", .meaning = "joint of the device", .required = true},
          device_joints, m.coordinate);
-  v.value(Key{"offset", "rad or m", "centre q_0 of q(t) = q_0 + A sin(2 pi f t + phase)"}, m.offset);
-  v.value(Key{"amplitude", "rad or m", "A of the same"}, m.amplitude);
-  v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
-  v.value(Key{"phase", "rad", "phase of that motion"}, m.phase);
+  v.value(Key{"offset", "rad or m", "q_0 of q = q_0 + A sin(2 pi f t + phase)"}, m.offset);
+  v.value(Key{"amplitude", "rad or m", "A"}, m.amplitude);
+  v.value(Key{"frequency_hz", "Hz", "f", {0, 1e3}}, m.frequency_hz);
+  v.value(Key{"phase", "rad", ""}, m.phase);
 }
 
 template <class V>
 void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>& device_joints,
                   MotionConfig& m) {
-  v.value(Key{"amplitude", "m", "amplitude A of p(t) = p_0 + A sin(2 pi f t + phase), per axis x, y, z"},
-          m.amplitude);
-  v.value(Key{"frequency_hz", "Hz", "f of the same", {0, 1e3}}, m.frequency_hz);
-  v.value(Key{"phase", "rad", "phase of that motion"}, m.phase);
-  v.value(Key{"angle_amplitude", "rad",
-              "amplitudes of three angles about z, y, x, of the same form: q(t) = q_0 qz qy qx"},
+  v.value(Key{"amplitude", "m", "A of p = p_0 + A sin(2 pi f t + phase)"}, m.amplitude);
+  v.value(Key{"frequency_hz", "Hz", "f", {0, 1e3}}, m.frequency_hz);
+  v.value(Key{"phase", "rad", ""}, m.phase);
+  v.value(Key{"angle_amplitude", "rad", "the same of angles about z, y, x: q = q_0 qz qy qx"},
           m.angle_amplitude);
   v.value(Key{"angle_frequency_hz", "Hz", "", {0, 1e3}}, m.angle_frequency_hz);
   v.value(Key{"angle_phase", "rad", ""}, m.angle_phase);
-  visit_pose(v, "position", "orientation_wxyz", "the target at the centre of the motion: p_0, q_0", m.X_WD);
-  v.value(Key{"force_amplitude", "N",
-              "admittance devices: the hand's force F sin(2 pi f t + phase), f and phase as for p"},
+  visit_pose(v, "position", "orientation_wxyz", "p_0, q_0", m.X_WD);
+  v.value(Key{"force_amplitude", "N", "admittance devices: the hand's force, f and phase as of p"},
           m.force_amplitude);
-  v.value(Key{"torque_amplitude", "N m", "admittance devices: the hand's torque in the same form"},
-          m.torque_amplitude);
+  v.value(Key{"torque_amplitude", "N m", "the same"}, m.torque_amplitude);
   std::set<std::string> moved;
-  v.tables(
-      TableKey{
-          "joint",
-          "Motion of a joint of the device, instead of the target's pose. Joints without a table rest at 0."},
-      m.joints, [&](auto& t, CoordinateMotion& q) {
-        visit_coordinate_motion(t, device_joints, q);
-        t.check(moved.insert(q.coordinate).second, "coordinate", "has an earlier table");
-      });
+  v.tables(TableKey{"joint", "Motion of a joint of the device, instead of the target's. Others rest at 0."},
+           m.joints, [&](auto& t, CoordinateMotion& q) {
+             visit_coordinate_motion(t, device_joints, q);
+             t.check(moved.insert(q.coordinate).second, "coordinate", "has an earlier table");
+           });
   visit_holds(v, scene, m.holds);
   v.check(m.joints.empty() || (m.amplitude.isZero(0) && m.angle_amplitude.isZero(0)), "joint",
           "moves the device: remove 'amplitude' and 'angle_amplitude', which move the first target");
@@ -215,12 +196,11 @@ void visit_motion(V& v, const SceneConfig& scene, const std::vector<std::string>
 
 template <class V>
 void visit_wire(V& v, WireConfig& w) {
-  v.value(Key{"seed", "", "seed of the random faults", {0, 9007199254740992.0}}, w.seed);
-  v.value(Key{"loss_probability", "", "probability that a frame is lost", probability}, w.loss_probability);
-  v.value(Key{"corruption_probability", "",
-              "probability that a frame is corrupted on the wire and sent again", probability},
+  v.value(Key{"seed", "", "", {0, 9007199254740992.0}}, w.seed);
+  v.value(Key{"loss_probability", "", "", probability}, w.loss_probability);
+  v.value(Key{"corruption_probability", "", "the frame is sent again", probability},
           w.corruption_probability);
-  v.value(Key{"delay", "s", "delay added to every frame", {0, 1}}, w.delay_s);
+  v.value(Key{"delay", "s", "of every frame", {0, 1}}, w.delay_s);
 }
 
 inline std::vector<std::string> device_joints(const SceneConfig& s) {
@@ -287,41 +267,40 @@ void check_scene(V& v, const SceneConfig& s) {
 
 template <class V>
 void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
-  plain_table(v, TableKey{"scene", "The scene as a whole.", true}, [&](auto& t) { visit_header(t, s); });
+  plain_table(v, TableKey{"scene", "The scene.", true}, [&](auto& t) { visit_header(t, s); });
   std::set<std::string> names;
-  v.tables(TableKey{"body", "One rigid body of the tool or the scene.", true, max_tables_of_bodies}, s.bodies,
-           [&](auto& t, BodyConfig& b) {
-             visit_body(t, s.bodies, b);
-             t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
-             t.check(b.name != world_name, "name",
-                     "is the name of the ground in joints: choose another name");
-           });
+  v.tables(
+      TableKey{"body", "A rigid body.", true, max_tables_of_bodies}, s.bodies, [&](auto& t, BodyConfig& b) {
+        visit_body(t, s.bodies, b);
+        t.check(names.insert(b.name).second, "name", "is the name of an earlier body");
+        t.check(b.name != world_name, "name", "is the name of the ground in joints: choose another name");
+      });
   visit_tool_joints(v, s);
   visit_nets(v, s);
   visit_contacts(v, s);
   std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
   std::set<std::string> bus_names;
   v.tables(TableKey{"bus", "A CAN bus."}, buses, [&](auto& t, BusParams& b) {
-    visit_name(t, "name of the bus", b.name);
+    visit_name(t, "", b.name);
     t.check(bus_names.insert(b.name).second, "name", "is the name of an earlier bus");
-    t.value(Key{"bit_rate", "bit/s", "bit rate of the arbitration phase", {1e4, 1e6}}, b.bit_rate);
-    t.value(Key{"data_bit_rate", "bit/s", "bit rate of the data phase of CAN FD; 0: a classic bus", {0, 8e6}},
-            b.data_bit_rate);
+    t.value(Key{"bit_rate", "bit/s", "arbitration phase", {1e4, 1e6}}, b.bit_rate);
+    t.value(Key{"data_bit_rate", "bit/s", "data phase of CAN FD; 0: classic bus", {0, 8e6}}, b.data_bit_rate);
     t.check(b.data_bit_rate == 0 || b.data_bit_rate >= b.bit_rate, "data_bit_rate",
             "is below bit_rate: must be 0, or bit_rate and above");
   });
-  optional_table(v, TableKey{"device", "The device that drives the coupled bodies, and its rig."}, s.device,
+  optional_table(v, TableKey{"device", "The device that drives coupled bodies, and its rig."}, s.device,
                  [&](auto& t, DeviceConfig& d) { visit_device(t, s, buses, d); });
-  optional_table(v, TableKey{"motion", "Built-in motion of the target, used without a --motion file."},
-                 s.motion, [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
+  optional_table(v, TableKey{"motion", "Motion of the target without `--motion`."}, s.motion,
+                 [&](auto& t, MotionConfig& m) { visit_motion(t, s, device_joints(s), m); });
   drop_idle_tree(s);
-  plain_table(v, TableKey{"wire", "Random faults of the simulated bus; default: none."},
+  plain_table(v, TableKey{"wire", "Random faults of simulated buses."},
               [&](auto& t) { visit_wire(t, s.wire); });
-  v.tables(TableKey{"fault",
-                    "A fault played by the simulated rig; its verbs and values are listed in docs/faults.md.",
-                    false, 10'000},
-           s.faults,
-           [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, checks, f); });
+  v.tables(
+      TableKey{
+          "fault",
+          "A fault that the simulated rig plays ([faults](faults.md#faults-that-the-simulated-rig-plays)).",
+          false, 10'000},
+      s.faults, [&](auto& t, FaultConfig& f) { visit_fault(t, s.device ? &*s.device : nullptr, checks, f); });
   check_scene(v, s);
 }
 

@@ -1,9 +1,9 @@
-// All keys of [device.spacemouse] of a scene file. Visitors: platform/scene/text/visit.h.
+// All keys of [device.spacemouse] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include "hal/tracker/spacenav.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -14,33 +14,23 @@ void visit_spacemouse(V& v, const std::vector<std::string>& bodies, SpaceMouseCo
   choose(v,
          Key{.name = "body",
              .unit = "",
-             .meaning = "coupled body that it moves; for a device that grips bodies: body at which it starts",
+             .meaning = "coupled body that it moves, or at which gripping starts",
              .otherwise = "the first coupled body"},
          bodies, s.body);
-  v.attitude(Key{"orientation_wxyz", "",
-                 "attitude of its frame in the world; x to the right, y away from the user, z up"},
+  v.attitude(Key{"orientation_wxyz", "", "its frame in the world: x right, y away from the user, z up"},
              s.q_WM);
-  v.value(Key{"max_speed", "m/s", "speed of the target while the cap is pushed to full scale", positive},
-          s.max_speed);
-  v.value(Key{"max_turn_rate", "rad/s", "angular speed of the target while the cap is turned to full scale",
-              positive},
-          s.max_turn_rate);
-  v.value(Key{"full_scale", "", "counts of an axis at its stop, as sent by the daemon", positive},
-          s.full_scale);
-  v.value(Key{"deadband", "", "counts of an axis below which it is at rest", not_negative}, s.deadband);
+  v.value(Key{"max_speed", "m/s", "of the target at full scale", positive}, s.max_speed);
+  v.value(Key{"max_turn_rate", "rad/s", "of the target at full scale", positive}, s.max_turn_rate);
+  v.value(Key{"full_scale", "", "counts of an axis at its stop", positive}, s.full_scale);
+  v.value(Key{"deadband", "", "counts below which an axis rests", not_negative}, s.deadband);
   v.check(s.deadband < s.full_scale, "deadband", "must be below full_scale");
-  v.value(Key{"rate", "Hz",
-              "rate of its reports while it is pushed; after three periods without a report the target rests",
+  v.value(Key{"rate", "Hz", "of reports while pushed; after three periods without one the target rests",
               positive},
           s.rate_hz);
   const Range buttons{-1, max_spacenav_button};
+  v.value(Key{"clutch_button", "", "opens the clutch while pressed; -1: none", buttons}, s.clutch_button);
   v.value(
-      Key{"clutch_button", "", "number of the button that opens the clutch while pressed; -1: none", buttons},
-      s.clutch_button);
-  v.value(
-      Key{"hold_button", "",
-          "number of the button that grips the nearest body within `grab_radius`, or releases it; -1: none",
-          buttons},
+      Key{"hold_button", "", "grips the nearest body within `grab_radius`, or releases; -1: none", buttons},
       s.hold_button);
   v.check(s.hold_button < 0 || s.hold_button != s.clutch_button, "hold_button",
           "is also clutch_button: give another number");

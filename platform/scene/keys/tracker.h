@@ -1,11 +1,11 @@
-// All keys below [[device.tracker]] of a scene file. Visitors: platform/scene/text/visit.h.
+// All keys below [[device.tracker]] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
 #include <set>
 
 #include "hal/tracker/tracker.h"
 #include "platform/scene/scene.h"
-#include "platform/scene/text/visit.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 
@@ -16,41 +16,33 @@ void visit_tracked_tool(V& v, const std::vector<std::string>& bodies, TrackedToo
          bodies, t.body);
   v.value(Key{.name = "tool",
               .unit = "",
-              .meaning = "tool. NDI: port handle, two digits as `\"0A\"`, or file of a passive tool's "
-                         "definition (.rom), relative to the scene; Polhemus: number of the station",
+              .meaning = "NDI: port handle as `\"0A\"`, or file of a passive tool (.rom), relative to the "
+                         "scene; Polhemus: number of the station",
               .required = true},
           t.tool);
-  visit_pose(v, "target_position", "target_orientation_wxyz", "the target in the tool's frame", t.X_TH);
+  visit_pose(v, "target_position", "target_orientation_wxyz", "the target on the tool", t.X_TH);
 }
 
 template <class V>
 void visit_tracker(V& v, const std::vector<std::string>& bodies, std::set<std::string>& tracked,
                    TrackerParams& t) {
-  visit_name(v, "name of the tracker in messages and faults", t.name);
-  choose(v, Key{"protocol", "", "protocol. ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot"},
+  visit_name(v, "name in messages and faults", t.name);
+  choose(v, Key{"protocol", "", "ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot"},
          tracker_protocol_names, t.protocol);
   v.value(Key{.name = "port",
               .unit = "",
-              .meaning = "serial line, preferably `\"/dev/serial/by-id/...\"`",
+              .meaning = "serial line, best `\"/dev/serial/by-id/...\"`",
               .required = true},
           t.port);
-  v.value(Key{"baud",
-              "bit/s",
-              "bit rate of the line; NDI: the rate after the first contact at 9600",
-              {1200, 4e6}},
-          t.baud);
-  visit_pose(v, "position", "orientation_wxyz", "the tracker's frame in the world", t.X_WT);
-  v.unit_vector(Key{"hemisphere", "",
-                    "Polhemus: direction from the source towards the half-space of its sensors, in the "
-                    "tracker's frame"},
+  v.value(Key{"baud", "bit/s", "NDI: after the first contact at 9600", {1200, 4e6}}, t.baud);
+  visit_pose(v, "position", "orientation_wxyz", "its frame in the world", t.X_WT);
+  v.unit_vector(Key{"hemisphere", "", "Polhemus: from the source towards its sensors, in its frame"},
                 t.hemisphere);
   v.value(Key{"stale_after", "s", "age beyond which a pose is invalid", positive}, t.stale_after_s);
-  v.value(Key{"boot_timeout", "s", "time limit from opening the line to tracking", positive},
-          t.boot_timeout_s);
-  v.value(Key{"min_cutoff", "Hz", "One-Euro filter: cut-off frequency at rest; 0: no filter", not_negative},
+  v.value(Key{"boot_timeout", "s", "from opening the line to tracking", positive}, t.boot_timeout_s);
+  v.value(Key{"min_cutoff", "Hz", "One-Euro filter: cut-off at rest; 0: no filter", not_negative},
           t.min_cutoff_hz);
-  v.value(Key{"cutoff_slope", "1/m", "One-Euro filter: cut-off frequency added per speed, Hz per m/s",
-              not_negative},
+  v.value(Key{"cutoff_slope", "1/m", "cut-off added per speed, Hz per m/s", not_negative},
           t.cutoff_slope_s_per_m);
   v.tables(TableKey{.name = "tool", .meaning = "A tracked tool: the target of a body.", .required = true},
            t.tools, [&](auto& table, TrackedToolParams& tool) {
@@ -76,12 +68,11 @@ template <class V>
 void visit_trackers(V& v, const std::vector<std::string>& bodies, std::set<std::string> handled,
                     std::vector<TrackerParams>& trackers) {
   std::set<std::string> names;
-  v.tables(
-      TableKey{"tracker", "A tracker on a serial line: a slow, late source of poses (docs/trackers.md)."},
-      trackers, [&](auto& table, TrackerParams& t) {
-        visit_tracker(table, bodies, handled, t);
-        table.check(names.insert(t.name).second, "name", "is the name of an earlier tracker");
-      });
+  v.tables(TableKey{"tracker", "A tracker on a serial line ([trackers](trackers.md))."}, trackers,
+           [&](auto& table, TrackerParams& t) {
+             visit_tracker(table, bodies, handled, t);
+             table.check(names.insert(t.name).second, "name", "is the name of an earlier tracker");
+           });
 }
 
 }  // namespace godobject

@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "platform/scene/mesh/builder.h"
-#include "platform/scene/mesh/text_scanner.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {

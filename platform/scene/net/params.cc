@@ -1,15 +1,37 @@
 #include "platform/scene/net/params.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/net/edges.h"
-#include "platform/scene/net/physics.h"
+#include "platform/scene/mesh/file.h"
+#include "platform/scene/net/surface.h"
+#include "platform/scene/text/key.h"
 
 namespace godobject {
 namespace {
+
+/// Rounds up to three digits.
+double rounded_up(double x) {
+  const double digit = std::pow(10, std::floor(std::log10(x)) - 2);
+  if (!(digit > 0)) return x;
+  return std::ceil(x / digit) * digit;
+}
+
+std::string too_many(double vertices, std::size_t room, const NetConfig& net) {
+  std::string text = "has " + (vertices < 1e6 ? std::to_string(std::lround(vertices)) : "over a million") +
+                     " nodes, above the capacity of " + std::to_string(room) + " of " +
+                     std::to_string(max_net_nodes) + ": ";
+  if (net.kind == NetKind::mesh) return text + "simplify the mesh with a mesh editor";
+  constexpr double rounding = 1.05;  // tolerance for the numbers of rows, and of vertices in each
+  if (room < 16) return text + "make the other nets coarser";
+  return text + "a spacing of " +
+         shortest(rounded_up(rounding * *net.spacing * std::sqrt(vertices / static_cast<double>(room)))) +
+         " m or above fits";
+}
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -118,7 +140,37 @@ class NetBuilder {
   SceneNets to_;
 };
 
+/// Returns the time constant of a node on its anchor and attachments alone, s; infinite without a spring or a
+/// damper.
+double slow_time(const NetNode& node) {
+  if (!(node.k > 0) || !(node.g > 0)) return std::numeric_limits<double>::infinity();
+  const double d = node.g / node.m / 2, omega_sq = node.k / node.m;  // x'' + 2 d x' + omega^2 x = 0
+  return d * d <= omega_sq ? 1 / d : (d + std::sqrt(d * d - omega_sq)) / omega_sq;
+}
+
 }  // namespace
+
+// ---- surface --------------------------------------------------------------------------------------
+
+std::string make_surface(const std::string& path, std::size_t room, NetConfig& net) {
+  if (net.kind == NetKind::mesh) {
+    if (std::string why_not = read_mesh(path, net.scale.value_or(1), net.surface); !why_not.empty())
+      return why_not;
+  } else {
+    constexpr double safe = 2;  // error bound of expected_vertices()
+    if (const double n = expected_vertices(net); !(n <= safe * static_cast<double>(max_net_nodes)))
+      return too_many(n, room, net);
+    net.surface = generated_surface(net);
+  }
+  std::string why_not;
+  if (const std::size_t n = net.surface.vertices.size(); n > room)
+    why_not = too_many(static_cast<double>(n), room, net);
+  else why_not = why_no_net(net.surface);
+  net.surface = why_not.empty() ? ordered_along(net.surface) : MeshData{};
+  return why_not;
+}
+
+// ---- nodes and springs ----------------------------------------------------------------------------
 
 std::size_t num_springs(const NetConfig& net) { return stiffnesses(net).size(); }
 
@@ -140,6 +192,31 @@ SceneNets scene_nets(const SceneConfig& scene) {
   NetBuilder builder(scene);
   for (const NetConfig* net : nets) builder.add(*net);
   return builder.take();
+}
+
+// ---- time constants -------------------------------------------------------------------------------
+
+NetTimes time_constants(const SceneNets& nets) {
+  std::vector<double> k(nets.nodes.size());
+  double slowest = 0;
+  for (const NetSpring& s : nets.springs) {
+    k[s.i] += 2 * s.k;
+    k[s.j] += 2 * s.k;
+    if (s.g > 0) slowest = std::max(slowest, s.g / s.k);
+  }
+  std::vector<NetNode> nodes = nets.nodes;
+  for (const NetAttachment& one : nets.attachments) {
+    nodes[one.node].k += one.k;
+    nodes[one.node].g += one.g;
+  }
+  NetTimes times{.fastest = std::numeric_limits<double>::infinity(), .slowest = {}};
+  for (std::size_t i = 0; i < k.size(); ++i) {
+    const NetNode& node = nodes[i];
+    times.fastest = std::min(times.fastest, std::sqrt(node.m / (k[i] + node.k)));
+    slowest = std::max(slowest, slow_time(node));
+  }
+  if (std::isfinite(slowest)) times.slowest = slowest;
+  return times;
 }
 
 }  // namespace godobject

@@ -8,13 +8,61 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/net/setup.h"
+#include "platform/scene/geometry.h"
+#include "platform/scene/net/surface.h"
 #include "platform/scene/scene.h"
 
 namespace godobject {
+
+/// Fills net.surface. Returns an error with its remedy; empty on success.
+/// path: path of the mesh.
+/// room: largest number of vertices.
+std::string make_surface(const std::string& path, std::size_t room, NetConfig& net);
+
+// Defaults of a net's physical numbers, derived in decision 049.
+
+inline constexpr double default_net_damping_ratio =
+    1.4;  // g / sqrt(k m) of anchors and springs, as of couplings (2)
+
+/// Returns the stiffness k = sqrt(3)/2 E t of a spring, N/m, in an equilateral lattice equal to a membrane of
+/// this E t in plane stress (Seung, Nelson 1988).
+inline double lattice_stiffness(double membrane_stiffness) { return std::sqrt(3.0) / 2 * membrane_stiffness; }
+
+/// Returns d = 8 sigma / T, N s/m^3, at which an oscillation a(t) = a_0 exp(-d t / (2 sigma)) decays within T
+/// to exp(-4), 2 %.
+inline double drag(double surface_density, double settling_time) {
+  return 8 * surface_density / settling_time;
+}
+
+/// Returns kappa at which d / sqrt(kappa sigma) is the default ratio, N/m^3.
+inline double anchor_stiffness_for(double surface_density, double settling_time) {
+  const double d = drag(surface_density, settling_time) / default_net_damping_ratio;
+  return d * d / surface_density;
+}
+
+/// Returns the stiffness that holds a node: ten springs of the lattice, so that the holder deforms by a tenth
+/// of the net. N/m.
+inline double held_stiffness_for(double membrane_stiffness) {
+  return 10 * lattice_stiffness(membrane_stiffness);
+}
+
+/// Returns the factor of structural springs that compensates the bending springs. These stiffen the membrane
+/// of an equilateral lattice by three times their ratio.
+inline double structural_share(double bending) { return 1 / (1 + 3 * bending); }
+
+/// Returns the mean mass of a node, kg; 0 without vertices.
+inline double mean_node_mass(const NetConfig& net) {
+  const std::size_t n = net.surface.vertices.size();
+  return n == 0 ? 0 : net.surface_density * area_of(net.surface) / static_cast<double>(n);
+}
+
+// Nodes and springs.
 
 /// A net as a range of the nodes of all nets.
 struct NetRange {
@@ -58,5 +106,34 @@ std::size_t num_springs(const NetConfig& net);
 /// Returns the number of attached nodes, by one ball or by all of them.
 std::size_t num_within(const NetConfig& net, const AttachedConfig& ball);
 std::size_t num_attachments(const NetConfig& net);
+
+// Time constants, and cost per step, for `check`.
+
+/// Bounds of the time constants of small motions of nets about their rest, s, with carriers and attached
+/// bodies held. k_i and g_i are those of a node's anchor and attachments together.
+///
+/// Fastest: 1 / omega, omega^2 <= max_i (2 sum_j k_ij + k_i) / m_i by Gershgorin's theorem on M^-1 K.
+///
+/// Slowest: an eigenvector of M x'' + G x' + K x = 0 has the polynomial p(s) = m s^2 - g s + k of its decay
+/// rate s. p is a sum of terms, each times a square: p_i(s) = m_i s^2 - g_i s + k_i of each node on its
+/// anchor, and k_s - g_s s of each spring. An oscillating mode has s = g / 2m >= min_i g_i / 2 m_i. A
+/// creeping mode has p(s) = 0. Below the slower real roots of all p_i and below k_s / g_s of all springs no
+/// term is negative, and some p_i(s) > 0. So
+///
+///   1 / s <= max(time constant of the slowest node on its anchor alone, largest g_s / k_s of all springs)
+///
+/// None if an anchor has no spring or no damper, because the motion of such a node depends on the whole net.
+struct NetTimes {
+  double fastest = 0;
+  std::optional<double> slowest;
+};
+
+NetTimes time_constants(const SceneNets& nets);
+
+/// Returns the floating-point operations of an iteration of conjugate gradients. A spring takes 24 in the
+/// product and 18 in each pass through the incomplete factor; a node takes 75, vector operations included.
+inline double flops_of_an_iteration(const SceneNets& nets) {
+  return 60.0 * static_cast<double>(nets.springs.size()) + 75.0 * static_cast<double>(nets.nodes.size());
+}
 
 }  // namespace godobject

@@ -1,4 +1,5 @@
-// Comma-separated numbers below a header line, and one column of words, for motions and traces.
+// Comma-separated numbers below a header line, and one column of words, for motions and traces: read and
+// written.
 #pragma once
 
 #include <functional>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/math/types.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
@@ -56,5 +58,35 @@ CsvResult read_csv(const std::string& path, std::string_view word_column = {},
 using CsvWanted = std::function<bool(std::string_view)>;
 CsvResult parse_csv(std::string_view text, const std::string& file, std::string_view word_column = {},
                     const CsvWanted& keeps = nullptr);
+
+/// Writer of rows: buffers them for a file, or passes each row to a sink at once. Every number is printed so
+/// that the same double is read back. Not for the real-time thread.
+class CsvRows {
+ public:
+  /// Receives text; returns false if some of it was not written.
+  using Sink = std::function<bool(std::string_view)>;
+
+  /// Writes into a file.
+  CsvRows(const std::string& path);  // NOLINT(google-explicit-constructor): a path stands for its file
+  CsvRows(Sink sink);                // NOLINT(google-explicit-constructor)
+
+  void header(std::span<const std::string> columns);
+  void header(std::initializer_list<std::string_view> columns);
+  void number(double x);
+  void vector(const Vec3& a);
+  /// Writes text, in quotes if it contains a comma, a quote or a line end.
+  void text(std::string_view text);
+  void end_row();
+  /// Writes buffered rows. Returns false if anything was not written.
+  [[nodiscard]] bool close();
+
+ private:
+  void flush();
+
+  Sink sink_;
+  bool all_taken_ = true;
+  std::size_t gathered_ = 0;  // bytes to buffer before the sink is called
+  std::string buffer_;
+};
 
 }  // namespace godobject

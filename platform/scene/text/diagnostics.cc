@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <tuple>
+#include <vector>
 
 namespace godobject {
 namespace {
@@ -50,6 +52,24 @@ std::string why_not_opened(const std::string& path, std::size_t max_bytes) {
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return "cannot be read: " + error.message();
   return size > max_bytes ? "is larger than " + megabytes(max_bytes) + ", the limit of this program" : "";
+}
+
+constexpr std::size_t resemblance = 2;  // characters
+
+/// Returns the smallest number of characters to insert, delete or replace.
+std::size_t distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
 }
 
 }  // namespace
@@ -140,6 +160,19 @@ std::vector<std::string> Diagnostics::format(Entries entries) const {
   if (entries.num_left_out > 0)
     lines.push_back(printable(file_) + ": and " + std::to_string(entries.num_left_out) + " more");
   return lines;
+}
+
+std::optional<std::string_view> nearest_name(std::string_view typed,
+                                             std::span<const std::string_view> names) {
+  std::optional<std::string_view> nearest;
+  std::size_t least = resemblance + 1;
+  for (const std::string_view name : names) {
+    const std::size_t away = distance(typed, name);
+    if (away >= least) continue;
+    least = away;
+    nearest = name;
+  }
+  return nearest;
 }
 
 }  // namespace godobject

@@ -1,8 +1,9 @@
-// Reading of untrusted text files, and errors and warnings with their places.
+// Reading of untrusted text files, and errors and warnings with their places and the nearest known name.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -90,5 +91,8 @@ class Diagnostics {
   std::string file_;
   Entries errors_{}, warnings_{};
 };
+
+/// Returns the name with the smallest Levenshtein distance to `typed`; none if all are more than two away.
+std::optional<std::string_view> nearest_name(std::string_view typed, std::span<const std::string_view> names);
 
 }  // namespace godobject

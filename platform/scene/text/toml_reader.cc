@@ -116,7 +116,8 @@ const toml::node* TomlReader::find(const Key& key) {
   const toml::node* node = table_.get(key.name);
   if (!node && key.required) {
     log_.error(place(table_.source()), "required key '" + std::string(key.name) + "'" + with_unit(key) +
-                                           " is missing in " + title_ + ": " + std::string(key.meaning));
+                                           " is missing in " + title_ +
+                                           (key.meaning.empty() ? "" : ": " + std::string(key.meaning)));
   }
   return node;
 }

@@ -7,8 +7,7 @@
 #include <string_view>
 
 #include "platform/trace/trace.h"
-#include "platform/view/nets.h"
-#include "platform/view/recorded/number_rows.h"
+#include "platform/view/drawing.h"
 
 namespace godobject {
 namespace {

@@ -1,18 +1,45 @@
-// Recordings as frames: a trace of a scene, or only the start of the scene.
+// Recordings as frames: a trace of a scene, with the nodes of its nets, logs of its buses, or only the start
+// of the scene.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "platform/scene/scene.h"
-#include "platform/view/recorded/nets.h"
-#include "platform/view/scene_json.h"
+#include "platform/view/drawing.h"
+#include "platform/view/frame.h"
 #include "platform/view/server/server.h"
-#include "platform/view/tap.h"
 
 namespace godobject {
+
+/// Recorded positions of the nodes of nets, as written by `run --nets`; traces do not contain them.
+class NetRecording {
+ public:
+  NetRecording(std::vector<double> times, std::vector<float> nodes);
+
+  /// Returns the positions at time t, s: linear between two rows, constant before the first and after the
+  /// last.
+  std::vector<Vec3> at(double t) const;
+  double begin() const noexcept { return times_.front(); }
+  double end() const noexcept { return times_.back(); }
+  std::size_t num_rows() const noexcept { return times_.size(); }
+
+ private:
+  std::vector<double> times_;  // s, ascending; at least one
+  std::vector<float> nodes_;   // row by row
+};
+
+struct NetRecordingResult {
+  std::optional<NetRecording> nets;  // absent if there are errors
+  std::vector<std::string> errors;
+};
+/// Reads the nets' file of a run of this scene.
+NetRecordingResult read_nets(const std::string& path, const SceneConfig& scene);
 
 /// Displayed instants of a trace.
 struct Recording {
@@ -57,5 +84,20 @@ class RecordedView final : public ViewSource {
   std::string scene_;
   ViewBytes frames_;
 };
+
+/// Recomputes a recording from logs of buses: rig and core process the frames at the times of the log. log:
+/// file of `run --record` with all buses of the scene. scene_path: file of the scene, for profiles beside it.
+RecordingResult replay_log(const std::string& log, const std::string& scene_path, const SceneConfig& scene);
+
+// Rows of numbers, as in traces, read one at a time, because long runs are not stored as a whole.
+
+/// Returns false unless the line has exactly numbers.size() numbers.
+bool read_numbers(std::string_view line, std::span<double> numbers);
+
+/// Reads a file: passes its first line to begin(names) and each row to add(line). Both return empty or an
+/// error. Returns empty or the first error.
+std::string read_rows(const std::string& path,
+                      const std::function<std::string(const std::vector<std::string>& names)>& begin,
+                      const std::function<std::string(const std::string& line)>& add);
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-#include "platform/view/recorded/replay.h"
+#include "platform/view/recorded/recording.h"
 
 #include <algorithm>
 #include <memory>

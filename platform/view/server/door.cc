@@ -1,4 +1,4 @@
-#include "platform/view/server/door.h"
+#include "platform/view/server/server.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>

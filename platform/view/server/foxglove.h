@@ -24,7 +24,7 @@ class FoxgloveClient {
   FoxgloveClient& operator=(const FoxgloveClient&) = delete;
 
   /// Returns the first messages: the server's capabilities and its channels. scene: first message of a stream
-  /// (scene_json.h).
+  /// (drawing.h).
   std::vector<std::string> greeting(const std::string& scene);
   /// Handles a message of the client. Returns the answer, mostly empty.
   std::string take(bool is_text, std::span<const std::uint8_t> message);

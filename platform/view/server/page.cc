@@ -1,4 +1,4 @@
-#include "platform/view/server/page.h"
+#include "platform/view/server/server.h"
 
 #include <array>
 #include <cstdint>

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "platform/rt/stop_signals.h"
-#include "platform/view/server/page.h"
+#include "platform/rt/signals.h"
 #include "platform/view/server/parts.h"
 
 namespace godobject {

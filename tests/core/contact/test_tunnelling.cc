@@ -77,7 +77,7 @@ struct BallAndBox {
 };
 
 /// Throws a ball straight at a face of a box of the world. Its speed is at most 95 % of that promised by
-/// `check` (platform/scene/top_speed.h). Returns true if it passes.
+/// `check` (platform/scene/top_speed.cc). Returns true if it passes.
 template <class I>
 bool passes(unsigned seed) {
   BallAndBox<I> of(seed, 5e-4);
@@ -213,7 +213,7 @@ struct Cut {
 };
 
 /// Throws two boxes with small spheres at their corners at each other. The speed of their fastest points is
-/// at most that promised by `check` (platform/scene/top_speed.h).
+/// at most that promised by `check` (platform/scene/top_speed.cc).
 template <class I>
 Cut cut(unsigned seed) {
   Random random(seed);
@@ -273,7 +273,7 @@ class SideMeeting {
                k = random_.log_uniform(0.01, 8) * brick_mass / (h * h),
                m_a = random_.integer(0, 1) * 1e6 * brick_mass + brick_mass;
     r_ = thin * random_.log_uniform(0.02, 0.3);
-    // at most 97 % of the speed that `check` promises (platform/scene/top_speed.h)
+    // at most 97 % of the speed that `check` promises (platform/scene/top_speed.cc)
     speed_ = random_.uniform(0.1, 0.97) *
              std::min(0.3 * thin / h, 0.5 * thin * std::sqrt(k * (m_a + brick_mass) / (m_a * brick_mass)));
     pile_->par.h = h;

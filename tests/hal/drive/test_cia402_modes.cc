@@ -116,7 +116,8 @@ class Cia402LinkTest : public testing::Test {
     return command.controlword;
   }
 
-  Cia402Link link{{.joint = "j", .node_id = 7}, 1e-3};
+  const DriveParams params{.joint = "j", .node_id = 7};
+  Cia402Link link{params, 1e-3};
   DriveTelemetry telemetry;
 };
 

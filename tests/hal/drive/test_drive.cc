@@ -30,7 +30,14 @@ CanFrame status(cia402::DriveState state, std::int32_t position_counts = 0,
                                  .actual_torque_per_mille = torque_per_mille});
 }
 
-Drive enabled_drive(const DriveParams& p = params()) {
+/// Returns params() for drives, which refer to them.
+const DriveParams& lasting_params() {
+  static const DriveParams p = params();
+  return p;
+}
+
+/// p: must outlive the drive.
+Drive enabled_drive(const DriveParams& p = lasting_params()) {
   Drive drive(p, cycle_s, 3 * ms);
   EXPECT_EQ(drive.on_frame(status(cia402::DriveState::operation_enabled), 0).result, ParseResult::ok);
   return drive;
@@ -87,7 +94,7 @@ TEST(Drive, SendsNoTorqueUnlessEnabledAndStartsFromZeroAfterwards) {
 }
 
 TEST(Drive, FeedbackInJointAndMotorUnits) {
-  Drive drive(params(), cycle_s, 3 * ms);
+  Drive drive(lasting_params(), cycle_s, 3 * ms);
   EXPECT_TRUE(drive.silent(0));
   ASSERT_EQ(drive.on_frame(status(cia402::DriveState::switched_on, -250, 100), ms).result, ParseResult::ok);
   const DriveFeedback feedback = drive.feedback(2 * ms);
@@ -109,7 +116,7 @@ TEST(Drive, SilenceAllowsForTheSyncsItLeavesOut) {
 }
 
 TEST(Drive, RefusesAnotherNodesStatus) {
-  Drive drive(params(), cycle_s, 3 * ms);
+  Drive drive(lasting_params(), cycle_s, 3 * ms);
   EXPECT_EQ(drive.on_frame(cia402::make_status(8, {}), 0).result, ParseResult::other_message);
   EXPECT_TRUE(drive.silent(0));
 }

@@ -26,7 +26,7 @@ class Stream {
     const std::uint64_t unsettled = std::max<std::uint64_t>(delay.num_inconclusive(), 1) - 1;
     const bool is_left_out =
         (last_mark == 0 || sync - 1 - last_mark >= mark_distance + unsettled * delay.longest()) &&
-        delay.wants_mark(sync - 1);
+        delay.needs_mark(sync - 1);
     if (is_left_out) {
       ++marks;
       last_mark = sync;

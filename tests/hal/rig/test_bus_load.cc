@@ -8,6 +8,7 @@
 namespace godobject::test_bus_load {
 namespace {
 
+constexpr double cycle_s = 1e-3;
 constexpr BusLoadParams cyclic_only{
     .heartbeat_period_s = 0, .drive_event_period_s = 0, .button_event_period_s = 0};
 
@@ -41,7 +42,7 @@ TEST(BusLoad, IsTheHandbooksTable) {
                       {3, 1, 47.4, 57.0, 1754}, {2, 2, 58.5, 70.5, 1418}, {4, 2, 74.3, 89.5, 1117},
                       {6, 1, 71.1, 85.5, 1169}, {3, 3, 85.4, 103.0, 970}, {6, 2, 90.1, 108.5, 921}};
   for (const Row& row : rows) {
-    const auto loads = bus_load(rig_of(row.encoders, row.drives), cyclic_only);
+    const auto loads = bus_load(rig_of(row.encoders, row.drives), cycle_s, cyclic_only);
     ASSERT_EQ(loads.size(), 1u);
     EXPECT_NEAR(loads[0].nominal_percent, row.nominal, 1e-9);
     EXPECT_NEAR(loads[0].worst_percent, row.worst, 1e-9);
@@ -52,7 +53,7 @@ TEST(BusLoad, IsTheHandbooksTable) {
 TEST(BusLoad, CountsStatusEveryNthSyncHeartbeatsAndEvents) {
   RigParams rig = rig_of(1, 1);
   rig.drives[0].status_every_nth_sync = 4;
-  const BusLoad load = bus_load(rig, {.heartbeat_period_s = 0.05, .drive_event_period_s = 0.02})[0];
+  const BusLoad load = bus_load(rig, cycle_s, {.heartbeat_period_s = 0.05, .drive_event_period_s = 0.02})[0];
   // SYNC 55, position 95, command 95, status 135 / 4 per ms; event 125 per 20 ms; three heartbeats 65 per 50
   // ms.
   EXPECT_NEAR(load.worst_percent, 0.1 * (55 + 95 + 95 + 135 / 4.0 + 125 / 20.0 + 3 * 65 / 50.0), 1e-9);
@@ -63,7 +64,7 @@ TEST(BusLoad, SplitsTheRigByBusAndSortsByPriority) {
   RigParams rig = rig_of(2, 1);
   rig.buses.push_back({.name = "can1", .bit_rate = 500e3});
   rig.encoders[1].bus = 1;
-  const auto loads = bus_load(rig, cyclic_only);
+  const auto loads = bus_load(rig, cycle_s, cyclic_only);
   ASSERT_EQ(loads.size(), 2u);
   EXPECT_NEAR(loads[0].worst_percent, 0.1 * (55 + 95 + 95 + 135), 1e-9);
   EXPECT_EQ(loads[1].bus, "can1");
@@ -83,7 +84,7 @@ TEST(BusLoad, CountsCanFdAtBothRates) {
       rig.drives[static_cast<std::size_t>(i)].protocol = DriveProtocol::moteus;
       rig.drives[static_cast<std::size_t>(i)].node_id = static_cast<std::uint8_t>(1 + i);
     }
-    const BusLoad load = bus_load(rig, cyclic_only)[0];
+    const BusLoad load = bus_load(rig, cycle_s, cyclic_only)[0];
     EXPECT_NEAR(load.nominal_percent, nominal, 0.5);
     EXPECT_NEAR(load.worst_percent, worst, 0.5);
     EXPECT_EQ(load.messages.size(), 2u * static_cast<unsigned>(drives));  // no SYNC, no heartbeats
@@ -95,14 +96,14 @@ TEST(BusLoad, CountsCanFdAtBothRates) {
 TEST(BusLoad, CountsAnOdrivesRequest) {
   RigParams rig = rig_of(0, 1);
   rig.drives[0].protocol = DriveProtocol::odrive;
-  const BusLoad load = bus_load(rig, {})[0];
+  const BusLoad load = bus_load(rig, cycle_s, {})[0];
   EXPECT_NEAR(load.worst_percent, 0.1 * (95 + 135 + 55 + 135 / 10.0 + 135 / 100.0), 1e-9);
 }
 
 TEST(BusLoad, CountsTheButtonsOfANodeOnce) {
   RigParams rig = rig_of(1, 0);
   rig.buttons = {{.node_id = 9, .bit = 0}, {.node_id = 9, .bit = 1}};
-  const BusLoad load = bus_load(rig, {.heartbeat_period_s = 0.1, .button_event_period_s = 0.05})[0];
+  const BusLoad load = bus_load(rig, cycle_s, {.heartbeat_period_s = 0.1, .button_event_period_s = 0.05})[0];
   EXPECT_NEAR(load.worst_percent, 0.1 * (55 + 95 + 65 / 50.0 + 3 * 65 / 100.0), 1e-9);
 }
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <limits>
 #include <set>
+#include <type_traits>
 
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
@@ -56,9 +57,15 @@ RigParams two_joints() {
   return rig;
 }
 
+// A rig without its cycle, or with params that do not outlive it, does not compile.
+using Buses = std::span<CanBus* const>;
+static_assert(std::is_constructible_v<Rig, const RigParams&, double, Buses>);
+static_assert(!std::is_constructible_v<Rig, const RigParams&, Buses>);
+static_assert(!std::is_constructible_v<Rig, RigParams, double, Buses>);
+
 class RigTest : public testing::Test {
  protected:
-  explicit RigTest(const RigParams& params = two_joints()) : rig(params, buses) {}
+  explicit RigTest(RigParams of_rig = two_joints()) : params(std::move(of_rig)), rig(params, 1e-3, buses) {}
 
   void receive(const CanFrame& frame, Nanoseconds t_ns) { bus.to_receive.push_back({frame, t_ns}); }
   void heartbeats(canopen::NmtState state = canopen::NmtState::operational) {
@@ -122,6 +129,7 @@ class RigTest : public testing::Test {
 
   ScriptedBus bus;
   std::array<CanBus*, 1> buses{&bus};
+  const RigParams params;
   Rig rig;
   Nanoseconds now = 0;
   std::uint32_t encoder_counts = 0;

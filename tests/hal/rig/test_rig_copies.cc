@@ -35,7 +35,7 @@ TEST(RigCopies, LateCopyOfAnAnswerIsNoJump) {
   const RigParams params = test::arm_rig_params();
   ScriptedBus encoders, drives;
   const std::vector<CanBus*> buses{&encoders, &drives};
-  Rig rig(params, buses);
+  Rig rig(params, 1e-3, buses);
   rig.start(0);
   const auto answer = [&](std::uint8_t node, std::uint32_t counts, Nanoseconds t) {
     encoders.frames.push_back({.frame = cia406::make_position(node, counts), .t_ns = t});
@@ -58,7 +58,7 @@ TEST(RigCopies, LateCopyOfADrivesAnswerIsNoJump) {
   std::erase_if(params.encoders, [&](const EncoderParams& e) { return e.joint == params.drives[0].joint; });
   ScriptedBus encoders, drives;
   const std::vector<CanBus*> buses{&encoders, &drives};
-  Rig rig(params, buses);
+  Rig rig(params, 1e-3, buses);
   rig.start(0);
   const auto answer = [&](std::uint8_t node, std::int32_t counts, Nanoseconds t) {
     drives.frames.push_back({.frame = cia402::make_status(node, {0x1637, counts, 0}), .t_ns = t});

@@ -12,6 +12,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+constexpr double cycle_s = 1e-3;
+
 // Two hinges, the first with an encoder and a drive, the second with a drive only.
 RigParams good_rig() {
   RigParams rig;
@@ -23,7 +25,7 @@ RigParams good_rig() {
   return rig;
 }
 
-TEST(RigValidate, AcceptsAGoodRig) { EXPECT_THAT(validate(good_rig()), IsEmpty()); }
+TEST(RigValidate, AcceptsAGoodRig) { EXPECT_THAT(validate(good_rig(), cycle_s), IsEmpty()); }
 
 TEST(RigValidate, AcceptsBranchesFromAnyEarlierJointAndTheBase) {
   RigParams rig = good_rig();
@@ -31,7 +33,7 @@ TEST(RigValidate, AcceptsBranchesFromAnyEarlierJointAndTheBase) {
   rig.tree.joints.push_back({.name = "jaw", .parent = "yaw"});
   rig.tree.handles.push_back({.body = "jaw", .joint = "jaw"});
   rig.encoders.push_back({.joint = "jaw", .node_id = 3});
-  EXPECT_THAT(validate(rig), IsEmpty());
+  EXPECT_THAT(validate(rig, cycle_s), IsEmpty());
 }
 
 TEST(RigValidate, AcceptsOtherDrivesOnABusOfTheirOwnAndButtonsOfOneNode) {
@@ -39,7 +41,7 @@ TEST(RigValidate, AcceptsOtherDrivesOnABusOfTheirOwnAndButtonsOfOneNode) {
   rig.drives[1].protocol = DriveProtocol::moteus;
   rig.buses[1].data_bit_rate = 5e6;
   rig.buttons = {{.node_id = 5, .bit = 0}, {.node_id = 5, .bit = 1}};
-  EXPECT_THAT(validate(rig), IsEmpty());
+  EXPECT_THAT(validate(rig, cycle_s), IsEmpty());
 }
 
 struct BrokenRule {
@@ -52,7 +54,7 @@ class RigValidateEach : public testing::TestWithParam<BrokenRule> {};
 TEST_P(RigValidateEach, NamesWhatIsWrong) {
   RigParams rig = good_rig();
   GetParam().break_it(rig);
-  EXPECT_THAT(validate(rig), Contains(HasSubstr(GetParam().says)));
+  EXPECT_THAT(validate(rig, cycle_s), Contains(HasSubstr(GetParam().says)));
 }
 
 const BrokenRule broken_rules[] = {
@@ -137,7 +139,7 @@ const BrokenRule broken_rules[] = {
      [](RigParams& r) {
        r.buttons = {{.node_id = 5, .bit = 3}, {.node_id = 5, .bit = 3}};
      }},
-    {"torque_max_Nm is 4", [](RigParams& r) { r.drives[0].torque_max_Nm = 4; }},
+    {"torque_max_Nm is 4, must be at most 3.2767 with", [](RigParams& r) { r.drives[0].torque_max_Nm = 4; }},
     {"torque_rate_Nm_per_s is -1", [](RigParams& r) { r.drives[0].torque_rate_Nm_per_s = -1; }},
     {"joint_per_motor_rad is 0", [](RigParams& r) { r.drives[0].joint_per_motor_rad = 0; }},
     {"status_every_nth_sync is 241", [](RigParams& r) { r.drives[0].status_every_nth_sync = 241; }},
@@ -147,13 +149,18 @@ const BrokenRule broken_rules[] = {
        r.encoders.erase(r.encoders.begin());
        r.drives[0].max_slip = 0.01;
      }},
-    {"step is 0", [](RigParams& r) { r.cycle_s = 0; }},
     {"stale_after is 0.0005, must be at least step (", [](RigParams& r) { r.stale_after_s = 5e-4; }},
     {"boot_timeout is 0", [](RigParams& r) { r.boot_timeout_s = 0; }},
     {"heartbeat_timeout is 0", [](RigParams& r) { r.heartbeat_timeout_s = 0; }},
     {"heartbeat_period is 0", [](RigParams& r) { r.heartbeat_period_s = 0; }},
     {"drive of joint 'yaw': counts_sign is 0", [](RigParams& r) { r.drives[0].calibration.sign = 0; }},
 };
+
+TEST(RigValidate, ChecksTheCycle) {
+  EXPECT_THAT(validate(good_rig(), 0), Contains(HasSubstr("step is 0, must be > 0")));
+  EXPECT_THAT(validate(good_rig(), 4e-3),
+              Contains(HasSubstr("stale_after is 0.003, must be at least step (0.004)")));
+}
 
 INSTANTIATE_TEST_SUITE_P(Rules, RigValidateEach, testing::ValuesIn(broken_rules));
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <sstream>
 
-#include "platform/cli/command_documents.h"
+#include "platform/cli/command_line.h"
 #include "platform/cli/program.h"
 #include "platform/simulated/session.h"
 #include "tests/support/program.h"

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "platform/cli/report/console.h"
 #include "platform/cli/report/report.h"
-#include "platform/cli/report/status_line.h"
 #include "platform/rig/log_link.h"
 #include "platform/scene/toml.h"
 

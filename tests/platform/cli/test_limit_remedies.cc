@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "platform/cli/report/warnings.h"
-#include "platform/cli/run/cycle.h"
+#include "platform/cli/report/report.h"
+#include "platform/cli/run/loop.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/platform/cli/limit_scenes.h"

@@ -1,7 +1,7 @@
 // Effects of missed deadlines on a run, period by period, without a clock.
 #include <gtest/gtest.h>
 
-#include "platform/cli/run/cycle.h"
+#include "platform/cli/run/loop.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 

@@ -1,4 +1,4 @@
-#include "platform/cli/bus/object_text.h"
+#include "platform/cli/verb/sdo.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

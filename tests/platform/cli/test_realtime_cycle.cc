@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "platform/cli/bus/candump_log.h"
-#include "platform/cli/run/cycle.h"
+#include "platform/cli/report/files.h"
+#include "platform/cli/run/loop.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 #include "tests/support/allocation_guard.h"

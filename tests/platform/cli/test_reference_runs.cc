@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/toml.h"
 #include "tests/support/program.h"

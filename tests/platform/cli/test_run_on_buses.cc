@@ -26,7 +26,6 @@ SceneConfig patient_scene() {
   SceneConfig scene = *std::move(loaded.scene);
   scene.step = 4e-3;
   RigParams& rig = *scene.device->rig;
-  rig.cycle_s = scene.step;
   rig.stale_after_s = 2;
   rig.heartbeat_timeout_s = 5;
   rig.boot_timeout_s = 9;
@@ -94,7 +93,7 @@ class RunOnBuses : public ProgramTest {
     RunFileNames names;
     names.record = record;
     RunFiles files(names, scene_, 0);
-    const RigOnBuses real{*link_, where_, rig(), profiles_};
+    const RigOnBuses real{*link_, where_, rig(), scene_.step, profiles_};
     const std::optional<RunResult> result = run_realtime(*session_, plan, files, &real);
     player_->stop();
     EXPECT_THAT(files.close(), IsEmpty());

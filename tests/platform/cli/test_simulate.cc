@@ -7,7 +7,6 @@
 #include <deque>
 
 #include "hal/canopen/canopen.h"
-#include "platform/cli/simulate/control.h"
 #include "platform/cli/simulate/simulation.h"
 #include "tests/support/faulty_rig.h"
 

@@ -26,8 +26,8 @@ SceneConfig stool() {
     scene.bodies[0].spheres.push_back(sphere_of(0.01, foot));
   scene.obstacles.push_back(obstacle_of("ground", ShapeKind::plane));
   scene.contacts.push_back(default_contact(k));
-  scene.contacts[0].damping = 20;
-  scene.contacts[0].friction = 0.5;
+  scene.contacts[0].law.c = scene.contacts[0].law.c_t = 20;
+  scene.contacts[0].law.mu = 0.5;
   return scene;
 }
 

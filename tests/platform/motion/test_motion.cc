@@ -27,7 +27,7 @@ SceneConfig one_coupled_body() {
   scene.bodies.push_back({.name = "tool",
                           .X_WB = {Vec3(1, 2, 3), Quat::Identity()},
                           .V_WB = {},
-                          .coupling = CouplingConfig{},
+                          .coupling = SpringParams{},
                           .feedback = {}});
   return scene;
 }

@@ -1,4 +1,4 @@
-#include "platform/rig/filters.h"
+#include "platform/rig/buses.h"
 
 #include <gtest/gtest.h>
 

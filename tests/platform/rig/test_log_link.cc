@@ -19,6 +19,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr Nanoseconds period = 1'000'000;
+constexpr double period_s = 1e-3;
 
 /// Turns every joint to and fro.
 struct TurningHand final : Hand {
@@ -60,7 +61,7 @@ struct Logged {
 template <class GoesOn>
 Logged run(const RigParams& params, RigLink& link, int num_cycles, const GoesOn& goes_on) {
   Logged logged;
-  Rig rig(params, link.buses());
+  Rig rig(params, period_s, link.buses());
   const std::vector<Wrench> F_hand_W(params.tree.handles.size(), Wrench{Vec3(0.1, 0, 0), Vec3(0, 0, 0.2)});
   bool started = false;
   for (int i = 0; i < 8000 && static_cast<int>(logged.q.size()) < num_cycles && goes_on(); ++i) {
@@ -96,8 +97,8 @@ class LogOfARig : public ProgramTest {
       std::ofstream& out;
       const RigParams& params;
     } writer{file, params};
-    SimLink link({.rig = params, .plant = {}, .wire = {}, .faults = {}},
-                 std::make_shared<TurningHand>(params.tree.joints.size()), period, period / 16);
+    SimLink link({.rig = params, .plant = {}, .wire = {}, .faults = {}}, period_s,
+                 std::make_shared<TurningHand>(params.tree.joints.size()), period / 16);
     link.set_observer({.on_frame =
                            [](void* context, std::size_t bus, const ReceivedFrame& received) {
                              const auto& to = *static_cast<Writer*>(context);
@@ -147,7 +148,7 @@ TEST_F(LogOfARig, OfDrivesWithoutCanopenIsARigToRunOn) {
     params.tree.joints.resize(num_arm_drives);
     for (DriveParams& drive : params.drives) drive.bus = 0;
     for (HandleParams& handle : params.tree.handles) handle.joint = params.tree.joints.back().name;
-    ASSERT_THAT(validate(params), testing::IsEmpty());
+    ASSERT_THAT(validate(params, period_s), testing::IsEmpty());
     const Logged first = record(params, 300);
     ASSERT_EQ(first.q.size(), 300u) << static_cast<int>(protocol);
     LogLink link(params, period);

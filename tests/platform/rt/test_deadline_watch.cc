@@ -1,9 +1,7 @@
 // Consequences of missed deadlines, counted in periods, so that the test is deterministic.
-#include "platform/rt/deadline_watch.h"
+#include "platform/rt/cyclic.h"
 
 #include <gtest/gtest.h>
-
-#include "platform/rt/cyclic.h"
 
 namespace godobject::test_deadline_watch {
 namespace {

@@ -13,9 +13,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "platform/rig/last_frames.h"
-#include "platform/rt/last_resort.h"
-#include "platform/rt/stop_signals.h"
+#include "platform/rig/bring_up.h"
+#include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 
 namespace godobject::test_last_resort {

@@ -6,8 +6,7 @@
 #include <random>
 #include <sstream>
 
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_articulated_scene {
@@ -124,8 +123,8 @@ TEST(ArticulatedScene, StopsAreOfOneCoordinateEach) {
                  "[[joint.stop]]\ncoordinate = \"j_slide\"\nupper = 5\n" + spring);
   ASSERT_THAT(loaded.errors, IsEmpty());
   ASSERT_EQ(loaded.scene->joints[0].stops.size(), 2u);
-  EXPECT_EQ(loaded.scene->joints[0].stops[1].upper, 5);
-  EXPECT_FALSE(loaded.scene->joints[0].stops[1].lower.has_value());
+  EXPECT_EQ(loaded.scene->joints[0].stops[1].params.upper, 5);
+  EXPECT_EQ(loaded.scene->joints[0].stops[1].params.lower, -std::numeric_limits<double>::infinity());
 
   const auto errors = [&](const std::string& kind, const std::string& stop) {
     return errors_of(joint("j", kind, "world", "a") + "[[joint.stop]]\n" + spring + stop);

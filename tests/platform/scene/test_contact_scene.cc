@@ -157,8 +157,8 @@ TEST(ContactScene, EffectiveConfigurationReadsBackAsTheSame) {
   EXPECT_EQ(effective_config_toml(again), text);
   EXPECT_EQ(again.bodies[0].spheres[0].count, 3);
   EXPECT_EQ(again.obstacles[2].centres.size(), 2u);
-  EXPECT_EQ(again.contacts[0].damping, scene.contacts[0].damping);
-  EXPECT_EQ(again.contacts[0].tangential_stiffness, scene.contacts[0].tangential_stiffness);
+  EXPECT_EQ(again.contacts[0].law.c, scene.contacts[0].law.c);
+  EXPECT_EQ(again.contacts[0].law.k_t, scene.contacts[0].law.k_t);
 }
 
 TEST(ContactScene, APairWithoutALawIsNamedWithItsUses) {

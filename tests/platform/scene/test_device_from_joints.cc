@@ -1,5 +1,5 @@
 // The device made from a tool's joints.
-#include "platform/scene/joint/device_from_joints.h"
+#include "platform/scene/joint/joints.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,6 @@
 
 #include "hal/joint/kinematic_tree.h"
 #include "platform/motion/motion.h"
-#include "platform/scene/joint/kinds.h"
-#include "platform/scene/joint/params.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_device_from_joints {
@@ -110,7 +108,7 @@ SceneConfig random_tool(std::mt19937& random, const std::vector<JointKind>& kind
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     BodyConfig link;
     link.name = "body" + std::to_string(i);
-    link.coupling = CouplingConfig{};
+    link.coupling = SpringParams{};
     scene.bodies.push_back(link);
     JointConfig j;
     j.name = "joint" + std::to_string(i);

@@ -50,7 +50,7 @@ TEST(DeviceKeys, JointsSitOnTheOneBeforeUnlessTheyNameAnother) {
   EXPECT_EQ(parent_link(joints, 1), 0u);
   EXPECT_EQ(parent_link(joints, 2), 1u);
   EXPECT_EQ(parent_link(load(scene(serial)).scene->device->rig->tree.joints, 2), 2u);
-  EXPECT_THAT(validate(*result.scene->device->rig), IsEmpty());
+  EXPECT_THAT(validate(*result.scene->device->rig, result.scene->step), IsEmpty());
 }
 
 TEST(DeviceKeys, ParentsMustBeEarlierJoints) {
@@ -173,6 +173,18 @@ std::string button(int node_id, int bit, const std::string& more = "") {
          "\nbit = " + std::to_string(bit) + "\n" + more;
 }
 
+TEST(DeviceKeys, TorqueLimitIsOneThatCommandsEncode) {
+  const auto errors = [](const std::string& more) {
+    return load(with_bus(classic_bus,
+                         drive("a", "bus = \"can1\"\nnode_id = 9\ntorque_rated_Nm = 0.1\n" + more)))
+        .errors;
+  };
+  EXPECT_THAT(errors("torque_max_Nm = 3.2767\n"), IsEmpty());
+  EXPECT_THAT(errors("torque_max_Nm = 3.277\n"),
+              ElementsAre(HasSubstr("'torque_max_Nm' must be at most 3.2767 N m: commands in per mille")));
+  EXPECT_THAT(errors("torque_max_Nm = 50.0\nprotocol = \"odrive\"\nwatchdog = \"drive\"\n"), IsEmpty());
+}
+
 TEST(DeviceKeys, ProtocolsProfilesAndButtonsLoadBackAsThemselves) {
   const std::string text =
       with_bus(moteus_bus, drive("a", "bus = \"can1\"\nprotocol = \"moteus\"\nnode_id = 1\n") +
@@ -191,7 +203,7 @@ TEST(DeviceKeys, ProtocolsProfilesAndButtonsLoadBackAsThemselves) {
   ASSERT_EQ(rig.buttons.size(), 2u);
   EXPECT_TRUE(rig.buttons[1].use == ButtonUse::clutch && rig.buttons[1].active_low);
   EXPECT_EQ(rig.buttons[1].bit, 3);
-  EXPECT_THAT(validate(rig), IsEmpty());
+  EXPECT_THAT(validate(rig, back.scene->step), IsEmpty());
 }
 
 TEST(DeviceKeys, ProtocolsThatDoNotFitAreRefused) {

@@ -8,8 +8,7 @@
 #include <regex>
 
 #include "core/shape/list.h"
-#include "platform/scene/mesh/obstacle_file.h"
-#include "platform/scene/mesh/solid.h"
+#include "platform/scene/contact/params.h"
 #include "tests/support/cpu_time.h"
 #include "tests/support/mesh_files.h"
 

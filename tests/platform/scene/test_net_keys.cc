@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "platform/scene/contact/pairs.h"
-#include "platform/scene/net/edges.h"
 #include "platform/scene/net/params.h"
+#include "platform/scene/net/surface.h"
 #include "platform/scene/toml.h"
 
 namespace godobject::test_net_keys {
@@ -241,7 +241,7 @@ material = "wood"
   EXPECT_EQ(contact_scope(scene), ContactScope::obstacles);
   // A damping ratio refers to the lightest item in contact: a node.
   const double m = 0.02 / static_cast<double>(scene.nets[0].surface.vertices.size());
-  EXPECT_NEAR(scene.contacts[0].damping, 1.4 * std::sqrt(1000 * m), 1e-9);
+  EXPECT_NEAR(scene.contacts[0].law.c, 1.4 * std::sqrt(1000 * m), 1e-9);
 
   const std::string shape = "\n[[body.shape]]\nkind = \"sphere\"\nradius = 0.01\nmaterial = \"steel\"\n";
   EXPECT_THAT(loaded(head + shape + bag + numbers + "material = \"rubber\"\n").contacts, IsEmpty())

@@ -10,11 +10,8 @@
 #include <random>
 #include <tuple>
 
-#include "platform/scene/net/edges.h"
-#include "platform/scene/net/make.h"
 #include "platform/scene/net/params.h"
-#include "platform/scene/net/physics.h"
-#include "platform/scene/net/report.h"
+#include "platform/scene/net/surface.h"
 
 namespace godobject::test_net_params {
 namespace {

@@ -7,8 +7,7 @@
 #include <random>
 #include <set>
 
-#include "platform/scene/net/edges.h"
-#include "platform/scene/net/make.h"
+#include "platform/scene/net/params.h"
 #include "platform/scene/net/surface.h"
 
 namespace godobject::test_net_surface {

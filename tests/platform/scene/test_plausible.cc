@@ -1,5 +1,5 @@
 // Implausible units: a warning names the quantity, its unit and the bounds, for every kind of body.
-#include "platform/scene/plausible.h"
+#include "platform/scene/checks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -75,8 +75,8 @@ TEST(SceneToml, MinimalSceneHasDefaultsAndTheDefaultDampingRatio) {
   EXPECT_EQ(scene.step, 1e-3);
   ASSERT_EQ(scene.bodies.size(), 1u);
   ASSERT_TRUE(scene.bodies[0].coupling.has_value());
-  EXPECT_DOUBLE_EQ(scene.bodies[0].coupling->damping, 1.4 * std::sqrt(0.1 * 1000));
-  EXPECT_DOUBLE_EQ(scene.bodies[0].coupling->rotational_damping, 1.4 * std::sqrt(3e-4 * 1));
+  EXPECT_DOUBLE_EQ(scene.bodies[0].coupling->g, 1.4 * std::sqrt(0.1 * 1000));
+  EXPECT_DOUBLE_EQ(scene.bodies[0].coupling->g_r, 1.4 * std::sqrt(3e-4 * 1));
   EXPECT_FALSE(scene.bodies[0].feedback.has_value());
   EXPECT_FALSE(scene.device.has_value());
 }
@@ -159,11 +159,11 @@ TEST(SceneToml, DampingRatioOutsideThePapersRangeIsAdvisedAgainst) {
 TEST(SceneToml, FeedbackScalesTheSpringsOfTheCouplingAndKeepsExplicitGains) {
   const LoadResult result = parse(minimal + "[body.feedback]\nscale = 0.5\nrotational_stiffness = 0.25\n");
   ASSERT_THAT(result.errors, IsEmpty());
-  const FeedbackConfig& feedback = *result.scene->bodies[0].feedback;
-  EXPECT_EQ(feedback.stiffness, 500);
-  EXPECT_EQ(feedback.damping, 0);  // because the device would need it too: decision 027
-  EXPECT_EQ(feedback.rotational_stiffness, 0.25);
-  EXPECT_EQ(feedback.rotational_damping, 0);
+  const SpringParams& feedback = *result.scene->bodies[0].feedback;
+  EXPECT_EQ(feedback.k, 500);
+  EXPECT_EQ(feedback.g, 0);  // because the device would need it too: decision 027
+  EXPECT_EQ(feedback.k_r, 0.25);
+  EXPECT_EQ(feedback.g_r, 0);
 }
 
 TEST(SceneToml, DuplicateNamesAreRefused) {
@@ -237,7 +237,7 @@ TEST(SceneToml, EffectiveConfigurationLoadsBackAsItself) {
   scene.gravity = Vec3(0.1, -0.0, -9.81);
   scene.bodies[0].inertia << 1, 0.1, 0.2, 0.1, 1.1, 0.3, 0.2, 0.3, 1.2;
   scene.bodies[0].X_WB = {Vec3(1e-300, 1.0 / 3, -2), Quat(0.5, 0.5, -0.5, 0.5)};
-  scene.bodies[0].feedback = FeedbackConfig{1, 2, 3, 4};
+  scene.bodies[0].feedback = SpringParams{1, 2, 3, 4};
   scene.device->rig->stale_after_s = 0.1 + 0.2;
   scene.device->rig->drives.push_back(
       {.joint = "turret", .node_id = 7, .status_every_nth_sync = 3, .calibration = {.counts_per_unit = 7}});
@@ -252,7 +252,7 @@ TEST(SceneToml, EffectiveConfigurationLoadsBackAsItself) {
   EXPECT_EQ(back.scene->bodies[0].inertia, scene.bodies[0].inertia);
   EXPECT_EQ(back.scene->bodies[0].X_WB.p, scene.bodies[0].X_WB.p);
   EXPECT_EQ(back.scene->bodies[0].X_WB.q.coeffs(), scene.bodies[0].X_WB.q.coeffs());
-  EXPECT_EQ(back.scene->bodies[0].coupling->damping, scene.bodies[0].coupling->damping);
+  EXPECT_EQ(back.scene->bodies[0].coupling->g, scene.bodies[0].coupling->g);
   EXPECT_EQ(back.scene->device->rig->drives[0].node_id, 7);
   EXPECT_EQ(back.scene->wire.delay_s, 1e-4);
 }

@@ -1,11 +1,10 @@
 // Shapes that touch others only by the spheres of their body, spheres that start within a solid, and the
 // warnings of `check` about both.
-#include "platform/scene/contact/spheres_alone.h"
+#include "platform/scene/checks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "platform/scene/top_speed.h"
 #include "tests/support/contact_config.h"
 
 namespace godobject::test_spheres_alone {

@@ -12,7 +12,6 @@
 
 #include "hal/rig/params.h"
 #include "platform/motion/motion.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/text/diagnostics.h"
 #include "platform/scene/toml.h"
@@ -105,7 +104,7 @@ TEST_F(SceneFolder, AProfileIsBelowItOrShipped) {
     rig.drives.resize(1);
     rig.drives[0].joint = "j";
     rig.drives[0].profile = name;
-    const std::vector<std::string> all = load_profiles(rig, (folder_ / "scene").string()).errors;
+    const std::vector<std::string> all = load_profiles(rig, 1e-3, (folder_ / "scene").string()).errors;
     return std::accumulate(all.begin(), all.end(), std::string());
   };
   const std::string refused = "drive of joint 'j': profile";

@@ -1,5 +1,5 @@
 // The top speed printed by check: below it a wall holds, and far above it a sphere passes through.
-#include "platform/scene/top_speed.h"
+#include "platform/scene/checks.h"
 
 #include "core/contact/candidates.h"
 
@@ -59,9 +59,9 @@ TEST(TopSpeed, IsTheSmallerOfTravelAndEnergy) {
   EXPECT_EQ(soft.top(), soft.energy);
   EXPECT_EQ(soft.what, "sphere of body 'tool' and obstacle 'wall'");
   EXPECT_EQ(soft.hand, std::numeric_limits<double>::infinity()) << "no hand";
-  scene.contacts[0].stiffness = 1e6;
+  scene.contacts[0].law.k = 1e6;
   EXPECT_EQ(top_speed(scene)->top(), top_speed(scene)->travel);
-  scene.bodies[0].coupling = CouplingConfig{.stiffness = 1e6};
+  scene.bodies[0].coupling = SpringParams{.k = 1e6};
   EXPECT_NEAR(top_speed(scene)->hand, 2 * (r + wall / 2), 1e-12);
 }
 
@@ -87,7 +87,7 @@ TEST(TopSpeed, IsThatOfTheThinnestPair) {
 
 TEST(TopSpeed, OfAPrescribedBodyIsItsTravelAgainstBodiesThatItCanPush) {
   SceneConfig scene = sphere_and_wall(2e4);
-  scene.bodies[0].coupling = CouplingConfig{.stiffness = 1e3};
+  scene.bodies[0].coupling = SpringParams{.k = 1e3};
   scene.coupling = CouplingMode::imposed;
   EXPECT_FALSE(top_speed(scene)) << "no wall stops it";
   scene.obstacles.clear();  // they stop the brick
@@ -124,7 +124,7 @@ TEST(TopSpeed, OfBoxesOnTwoBodiesIsThatOfTheirEdges) {
   EXPECT_NEAR(bound.top(), 0.3 * 0.004 / scene.step, 1e-9);
   EXPECT_EQ(bound.what, "boxes of bodies 'tool' and 'brick'");
   // at a depth of half their half thickness they are not pushed back
-  scene.contacts[0].stiffness = 1e3;
+  scene.contacts[0].law.k = 1e3;
   scene.bodies[1].mass = 0.3;
   const SpeedBound soft = top_speed(scene).value();
   EXPECT_EQ(soft.what, bound.what);

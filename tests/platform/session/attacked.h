@@ -94,21 +94,18 @@ inline Course course_of(const SceneConfig& scene, double seconds) {
 /// Sets stiffness and damping. ratio: damping ratio, as in scene files.
 inline void set_stiffness(BodyConfig& body, double k, double k_r, double ratio = 1.4) {
   const double I = principal_moments(body.inertia).z();
-  body.coupling = CouplingConfig{.stiffness = k,
-                                 .damping = ratio * std::sqrt(body.mass * k),
-                                 .rotational_stiffness = k_r,
-                                 .rotational_damping = ratio * std::sqrt(I * k_r)};
+  body.coupling = SpringParams{
+      .k = k, .g = ratio * std::sqrt(body.mass * k), .k_r = k_r, .g_r = ratio * std::sqrt(I * k_r)};
 }
 
 /// Sets the contact law. ratio: c / sqrt(m k) of the lightest body, as in scene files.
 inline void set_contact(SceneConfig& scene, double k, double ratio, double mu) {
   double m = scene.bodies.at(0).mass;
   for (const BodyConfig& body : scene.bodies) m = std::min(m, body.mass);
-  ContactConfig& law = scene.contacts.at(0);
-  law.stiffness = k;
-  law.damping = ratio * std::sqrt(m * k);
-  law.friction = mu;
-  law.tangential_stiffness = law.tangential_damping = std::nullopt;
+  ContactLaw& law = scene.contacts.at(0).law;
+  law.k = law.k_t = k;
+  law.c = law.c_t = ratio * std::sqrt(m * k);
+  law.mu = mu;
 }
 
 /// Rotates bodies and their fixed parents about the world's origin, not the obstacles.

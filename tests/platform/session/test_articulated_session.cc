@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "platform/scene/joint/params.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/simulated/session.h"
 #include "tests/support/tool_scene.h"
 

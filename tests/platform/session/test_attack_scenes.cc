@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "platform/scene/top_speed.h"
+#include "platform/scene/checks.h"
 #include "tests/support/box_overlap.h"
 
 namespace godobject::test_attack_scenes {
@@ -23,8 +23,8 @@ std::string label(const SceneConfig& scene, const std::string& name, unsigned se
   std::ostringstream text;
   text << name << ", seed " << seed << ": " << scene.integrator << ", step " << scene.step << ", masses";
   for (const BodyConfig& body : scene.bodies) text << ' ' << body.mass;
-  if (scene.bodies[0].coupling) text << ", coupling " << scene.bodies[0].coupling->stiffness;
-  if (!scene.contacts.empty()) text << ", contact " << scene.contacts[0].stiffness;
+  if (scene.bodies[0].coupling) text << ", coupling " << scene.bodies[0].coupling->k;
+  if (!scene.contacts.empty()) text << ", contact " << scene.contacts[0].law.k;
   return text.str();
 }
 
@@ -186,7 +186,7 @@ TEST(AttackScenes, NothingPassesTheEdgeOfABox) {
     ball.V_WB.v = Vec3(0, 0, -speed);
     double lowest = 1;
     const double seconds =
-        std::min(20 * scene.step + 20 * std::sqrt(ball.mass / scene.contacts[0].stiffness), 2.0);
+        std::min(20 * scene.step + 20 * std::sqrt(ball.mass / scene.contacts[0].law.k), 2.0);
     attacked(scene, Motion(scene), seconds,
              [&](const CycleRecord& r) { lowest = std::min(lowest, r.bodies[0].X_WB.p.z()); });
     EXPECT_GT(lowest, 0) << label(scene, "tunnel-box-edge", seed) << ", " << speed << " m/s, " << inside

@@ -5,7 +5,8 @@ namespace godobject::test_fault_soak {
 namespace {
 
 TEST(FaultSoak, EveryFaultIsSeenNamedAndRecoveredFrom) {
-  test::FaultSoak<SimLink> soak(test::fault_reactions(*test::two_joints().device->rig));
+  test::FaultSoak<SimLink> soak(
+      test::fault_reactions(*test::two_joints().device->rig, test::FaultyRig::period_s));
   soak.run(test::soak_seconds(30));
 }
 

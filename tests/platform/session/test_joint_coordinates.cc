@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "platform/scene/joint/kinds.h"
+#include "platform/scene/joint/joints.h"
 
 namespace godobject::test_joint_coordinates {
 namespace {

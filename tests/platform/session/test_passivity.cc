@@ -88,7 +88,7 @@ TEST(Passivity, OnAHingeGainsCountByTheLever) {
   for (std::size_t i = 0; i < 3; ++i) {  // force alone: K = k |dp/dq|^2
     const double lever_sq = at.jacobian(0).col(static_cast<Eigen::Index>(i)).tail<3>().squaredNorm();
     EXPECT_NEAR(result.joints[i].axis.K, 200 * lever_sq, 1e-9);
-    EXPECT_NEAR(result.joints[i].axis.B, scene.bodies[0].feedback->damping * lever_sq, 1e-9);
+    EXPECT_NEAR(result.joints[i].axis.B, scene.bodies[0].feedback->g * lever_sq, 1e-9);
   }
 }
 

@@ -186,7 +186,7 @@ TEST(TimeToZero, TheHostsOwnCycleNeverTripsIt) {
 
 TEST(MissingWatchdogs, AreReportedWithTheDriveAndTheRemedy) {
   const auto lines = [](const SceneConfig& scene) {
-    return missing_watchdogs(*scene.device->rig, test::profiles_of(scene));
+    return missing_watchdogs(*scene.device->rig, scene.step, test::profiles_of(scene));
   };
   using testing::AllOf;
   using testing::HasSubstr;

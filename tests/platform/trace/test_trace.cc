@@ -16,7 +16,7 @@ SceneConfig coupled_and_free() {
   SceneConfig scene;
   scene.bodies.resize(2);
   scene.bodies[0].name = "tool";
-  scene.bodies[0].coupling = CouplingConfig{};
+  scene.bodies[0].coupling = SpringParams{};
   scene.bodies[1].name = "brick";
   return scene;
 }

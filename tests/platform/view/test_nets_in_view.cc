@@ -7,9 +7,8 @@
 
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
+#include "platform/view/drawing.h"
 #include "platform/view/frame.h"
-#include "platform/view/nets.h"
-#include "platform/view/scene_json.h"
 
 namespace godobject::test_nets_in_view {
 namespace {

@@ -65,7 +65,7 @@ class FaultPromiseKept : public testing::TestWithParam<FaultPromise> {
     }
   }
   std::optional<Nanoseconds> within(const PromisedFault& promised) const {
-    return bound(promised.within, params(), fault.duration_ns.value_or(0));
+    return bound(promised.within, params(), test::FaultyRig::period_s, fault.duration_ns.value_or(0));
   }
   Nanoseconds after(Nanoseconds t) const { return t - begin_ns; }
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "platform/scene/fault_file.h"
+#include "platform/scene/toml.h"
 #include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
 #include "tests/support/faulty_rig.h"

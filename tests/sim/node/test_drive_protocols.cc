@@ -35,7 +35,7 @@ class DriveProtocols : public testing::TestWithParam<DriveProtocol> {
 };
 
 TEST_P(DriveProtocols, BootsArmsAndHoldsTorque) {
-  ASSERT_EQ(validate(*device.scene.device->rig), std::vector<std::string>{});
+  ASSERT_EQ(validate(*device.scene.device->rig, FaultyRig::period_s), std::vector<std::string>{});
   ASSERT_TRUE(device.boot()) << device.rig.fault_text();
   const std::uint64_t incomplete = device.rig.counters().incomplete_syncs;
   device.cycles(500);
@@ -63,7 +63,8 @@ TEST_P(DriveProtocols, LoadIsWhatTheBusCarries) {
   device.cycles(1000);
   const double now_s = 1e-9 * static_cast<double>(device.t_sync_ns);
   const double measured = (device.link.load_percent(1) * now_s - before) / (now_s - before_s);
-  const BusLoad computed = bus_load(*device.scene.device->rig, usual_load(*device.scene.device->rig))[1];
+  const RigParams& rig = *device.scene.device->rig;
+  const BusLoad computed = bus_load(rig, FaultyRig::period_s, usual_load(rig))[1];
   EXPECT_GE(measured, 0.98 * computed.nominal_percent);
   EXPECT_LE(measured, 1.01 * computed.worst_percent);
 }

@@ -10,7 +10,6 @@
 #include "hal/canopen/pdo_map.h"
 #include "hal/canopen/sdo/sequence.h"
 #include "hal/rig/profile_validate.h"
-#include "platform/scene/profile.h"
 #include "platform/scene/text/diagnostics.h"
 #include "platform/scene/toml.h"
 #include "tests/support/allocation_guard.h"
@@ -39,7 +38,7 @@ RigParams grasper() {
 }
 
 RigProfiles profiles_of(const RigParams& rig) {
-  const RigProfilesResult loaded = load_profiles(rig, ".");
+  const RigProfilesResult loaded = load_profiles(rig, SimulatedRig::cycle_s, ".");
   EXPECT_THAT(loaded.errors, IsEmpty());
   return loaded.profiles;
 }
@@ -93,7 +92,7 @@ TEST(Commissioning, FactoryNodesDoNotWorkWithoutIt) {
 TEST(Commissioning, FactoryNodesBootAndArmAfterIt) {
   const RigParams params = grasper();
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
-  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  Commissioning commissioning(params, SimulatedRig::cycle_s, profiles_of(params), sim.hosts);
   EXPECT_FALSE(commissioning.done());
   EXPECT_EQ(commissioning.pending().size(), params.drives.size() + params.encoders.size());
   run(commissioning, sim);
@@ -123,7 +122,7 @@ TEST(Commissioning, PollAllocatesNothing) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
   const RigParams params = grasper();
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
-  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  Commissioning commissioning(params, SimulatedRig::cycle_s, profiles_of(params), sim.hosts);
   long calls = 0;
   for (int i = 0; i < 3000 && !commissioning.done(); ++i) {
     AllocationGuard guard;
@@ -148,7 +147,7 @@ TEST(Commissioning, NodeIsHaltedBeforeTheFirstRequest) {
                                if (halt || f.id == 0x601 || f.id == 0x701) seen.push_back(f.id);
                              },
                              &order});
-  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  Commissioning commissioning(params, SimulatedRig::cycle_s, profiles_of(params), sim.hosts);
   run(commissioning, sim);
   ASSERT_GE(order.size(), 3u);
   EXPECT_EQ(std::vector(order.begin(), order.begin() + 3), (std::vector<std::uint32_t>{0x701, 0, 0x601}));
@@ -158,7 +157,7 @@ TEST(Commissioning, NodeIsHaltedBeforeTheFirstRequest) {
 void expect_drives_to_stop(const RigParams& params, const RigProfiles& profiles, Nanoseconds within,
                            std::uint16_t error_code) {
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
-  Commissioning commissioning(params, profiles, sim.hosts);
+  Commissioning commissioning(params, SimulatedRig::cycle_s, profiles, sim.hosts);
   run(commissioning, sim);
   ASSERT_FALSE(commissioning.failed());
   ASSERT_TRUE(sim.boot()) << sim.rig->fault_text();
@@ -190,12 +189,12 @@ TEST(Commissioning, NodesWithoutAProfileAreLeftAlone) {
   RigParams params = grasper();
   for (DriveParams& drive : params.drives) drive.profile = "";
   SimulatedRig sim(params, false, {}, SimDefaults::factory);
-  Commissioning commissioning(params, profiles_of(params), sim.hosts);
+  Commissioning commissioning(params, SimulatedRig::cycle_s, profiles_of(params), sim.hosts);
   run(commissioning, sim);
   EXPECT_FALSE(commissioning.failed());
   EXPECT_EQ(sim.drives[0]->objects().value({0x1017, 0}), 0);
   EXPECT_EQ(sim.encoders[0]->objects().value({0x1017, 0}), 100);
-  Commissioning nothing(params, {}, sim.hosts);
+  Commissioning nothing(params, SimulatedRig::cycle_s, {}, sim.hosts);
   EXPECT_TRUE(nothing.done());
 }
 
@@ -205,7 +204,7 @@ struct Failing {
     profiles = profiles_of(params);
   }
   std::vector<std::string> errors() {
-    Commissioning commissioning(params, profiles, sim.hosts);
+    Commissioning commissioning(params, SimulatedRig::cycle_s, profiles, sim.hosts);
     run(commissioning, sim);
     EXPECT_TRUE(commissioning.done() && commissioning.failed());
     return commissioning.errors();
@@ -278,7 +277,7 @@ TEST(CommissioningErrors, NodeThatIsNotThere) {
 
 TEST(CommissioningErrors, NodeThatFallsSilentMidway) {
   Failing failing;
-  Commissioning commissioning(failing.params, failing.profiles, failing.sim.hosts);
+  Commissioning commissioning(failing.params, SimulatedRig::cycle_s, failing.profiles, failing.sim.hosts);
   run(commissioning, failing.sim, 20 * ms);
   ASSERT_FALSE(commissioning.done());
   failing.sim.drive_ports[0]->set_connected(false);
@@ -290,7 +289,7 @@ TEST(CommissioningErrors, NodeThatFallsSilentMidway) {
 
 TEST(CommissioningErrors, NodeThatRebootsRepeatedly) {
   Failing failing;
-  Commissioning commissioning(failing.params, failing.profiles, failing.sim.hosts);
+  Commissioning commissioning(failing.params, SimulatedRig::cycle_s, failing.profiles, failing.sim.hosts);
   for (int k = 0; k < 400 && !commissioning.done(); ++k) {
     run(commissioning, failing.sim, 20 * ms);
     failing.sim.drives[0]->power_cycle(failing.sim.now);
@@ -403,7 +402,7 @@ TEST(Profile, ShippedOnesAreValid) {
     rig.heartbeat_period_s = 5e-3;  // checked by epos4 and nanotec
     if (name == "generic-406") rig.encoders[0].profile = name;
     else rig.drives[0].profile = name;
-    EXPECT_THAT(load_profiles(rig, ".").errors, IsEmpty());
+    EXPECT_THAT(load_profiles(rig, SimulatedRig::cycle_s, ".").errors, IsEmpty());
   }
 }
 
@@ -433,14 +432,12 @@ TEST(Profile, ContradictionsWithTheSceneAreFoundBeforeTheBus) {
   RigParams rig = grasper();
   rig.heartbeat_period_s = 0.2;
   rig.heartbeat_timeout_s = 0.05;
-  rig.cycle_s = 1.0 / 3000;
-  const std::vector<std::string> errors = load_profiles(rig, ".").errors;
+  const std::vector<std::string> errors = load_profiles(rig, 1.0 / 3000, ".").errors;
   EXPECT_THAT(errors, testing::Contains(HasSubstr("host: set at least twice")));
   EXPECT_THAT(errors, testing::Contains(HasSubstr("at most half of the scene's heartbeat_timeout")));
   EXPECT_THAT(errors, testing::Contains(HasSubstr("60C2h cannot represent")));
   rig = grasper();
-  rig.cycle_s = 0.02;
-  EXPECT_THAT(load_profiles(rig, ".").errors,
+  EXPECT_THAT(load_profiles(rig, 0.02, ".").errors,
               ElementsAre(HasSubstr("stop between two commands of the host")));
 }
 
@@ -450,7 +447,7 @@ TEST(Profile, MapThatTheRigWouldMisreadIsAnError) {
   const Changed swapped = changed("generic-402", "[\"statusword\", \"position\", \"torque\"]",
                                   "[\"position\", \"statusword\", \"torque\"]");
   profiles.drives[0] = swapped.profile;
-  EXPECT_THAT(validate(rig, profiles),
+  EXPECT_THAT(validate(rig, SimulatedRig::cycle_s, profiles),
               ElementsAre(AllOf(HasSubstr(swapped.place), HasSubstr("objects of 16, 32, 16 bits"))));
 }
 
@@ -459,7 +456,7 @@ TEST(Profile, NameThatIsNotThere) {
   rig.drives[2].profile = "epos";
   rig.encoders[0].profile = "my/encoder.toml";
   EXPECT_THAT(
-      load_profiles(rig, "scenes").errors,
+      load_profiles(rig, SimulatedRig::cycle_s, "scenes").errors,
       ElementsAre(AllOf(HasSubstr("encoder of joint 'roll'"), HasSubstr("my/encoder.toml")),
                   AllOf(HasSubstr("drive of joint 'insertion'"), HasSubstr("the nearest is \"epos4\""))));
 }

@@ -67,7 +67,7 @@ class LateArm {
     for (CanBus* const bus : device.hosts) buses.emplace_back(*bus, device.now);
     std::vector<CanBus*> ports;
     for (LateBus& bus : buses) ports.push_back(&bus);
-    device.rig = std::make_unique<Rig>(device.params, ports);
+    device.rig = std::make_unique<Rig>(device.params, cycle_s, ports);
     device.q_ref = [](double t) { return q(t); };
     device.q_ref_dot = [](double) { return JointVector(JointVector::Constant(6, speed)); };
   }

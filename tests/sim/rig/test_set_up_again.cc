@@ -49,7 +49,7 @@ class SettingUp {
 
   /// Runs to the end; calls `meanwhile` before each millisecond.
   std::vector<std::string> run(const std::function<void(Nanoseconds since_start)>& meanwhile = {}) {
-    Commissioning commissioning(sim.params, profiles, sim.hosts);
+    Commissioning commissioning(sim.params, SimulatedRig::cycle_s, profiles, sim.hosts);
     const Nanoseconds start = sim.now;
     while (!commissioning.done() && sim.now < start + 20'000 * ms) {
       if (meanwhile) meanwhile(sim.now - start);

@@ -46,7 +46,7 @@ bool at_least_as_accurate(const ErrorRow& a, const ErrorRow& b) {
 
 std::string error_text(const ErrorRow& r) {
   const std::string rotation = number(r.errors.rotation, 2) + " rad";
-  return r.errors.energy ? rotation : number(r.errors.position, 2) + " m and " + rotation;
+  return r.errors.energy ? rotation : number(r.errors.position, 2) + " m, " + rotation;
 }
 
 /// Writes the longest step at which the second-order integrator matches the first-order one at its shortest.
@@ -55,14 +55,11 @@ void write_exchange(std::ostream& out, const std::vector<ErrorRow>& rows, const 
   for (const double h : steps_of(rows)) {
     const ErrorRow* const row = find_row(rows, scene, TrBdf2::name, h);
     if (row == nullptr || fine == nullptr || !at_least_as_accurate(*row, *fine)) continue;
-    out << "- " << scene << ": " << TrBdf2::name << " at " << number(h * 1e3) << " ms (" << error_text(*row)
-        << ") is at least as accurate as " << ImplicitEuler::name << " at " << number(fine->h * 1e3)
-        << " ms (" << error_text(*fine) << "), for "
-        << whole(100 * row->ns_per_second() / fine->ns_per_second()) << " % of the compute time.\n";
+    out << "| " << scene << " | " << number(h * 1e3) << " | " << error_text(*row) << " | "
+        << error_text(*fine) << " | " << whole(100 * row->ns_per_second() / fine->ns_per_second()) << " |\n";
     return;
   }
-  out << "- " << scene << ": at no step does " << TrBdf2::name << " match " << ImplicitEuler::name
-      << " at its shortest step.\n";
+  out << "| " << scene << " | none | | | |\n";
 }
 
 /// Returns the order at the last halving of the step.
@@ -77,16 +74,19 @@ std::string last_order(const std::vector<ErrorRow>& rows, const ErrorRow& r,
 void write_error(std::ostream& out, const std::vector<ErrorRow>& rows) {
   constexpr double h = 1e-3;
   out << "### 1. Error against run time\n\n";
+  if (rows.empty()) return;
+  out << "The longest step at which " << TrBdf2::name << " is at least as accurate as " << ImplicitEuler::name
+      << " at " << number(1e3 * steps_of(rows).back()) << " ms, and its share of the compute time:\n\n"
+      << "| scene | step, ms | error | " << ImplicitEuler::name << " | time, % |\n|---|---|---|---|---|\n";
   for (const std::string& scene : scenes_of(rows)) write_exchange(out, rows, scene);
   out << R"(
 ![error against run time](figures/error.png)
 
-Where the line of tr-bdf2 breaks, the longer steps turn the slender body too far for its gyroscopic term and
-are taken as two implicit Euler stages.
+Where the line of tr-bdf2 breaks, longer steps turn the slender body too far and are taken as two implicit Euler stages.
 
-At a step of 1 ms; worst errors of position (m), rotation (rad), energy (share); "order" of the last halving:
+At a step of 1 ms; worst errors of position (m) and rotation (rad); "order" of the last halving; drift of the joints:
 
-| scene | integrator | m | order | rad | order | energy | ns/step | instr./step | instr./simulated s |
+| scene | integrator | m | order | rad | order | drift, m | drift, rad | ns/step | instr./step |
 |---|---|---|---|---|---|---|---|---|---|
 )";
   for (const std::string& scene : scenes_of(rows))
@@ -96,8 +96,9 @@ At a step of 1 ms; worst errors of position (m), rotation (rad), energy (share);
       out << "| " << scene << " | " << integrator << " | " << number(r->errors.position) << " | "
           << last_order(rows, *r, &ErrorRow::order_position) << " | " << number(r->errors.rotation) << " | "
           << last_order(rows, *r, &ErrorRow::order_rotation) << " | "
-          << (r->errors.energy ? number(*r->errors.energy) : "-") << " | " << number(r->ns_per_step) << " | "
-          << whole(r->instructions_per_step) << " | " << number(r->instructions_per_second()) << " |\n";
+          << (r->errors.drift ? number(r->errors.drift->m, 2) + " | " + number(r->errors.drift->rad, 2)
+                              : "- | -")
+          << " | " << number(r->ns_per_step) << " | " << whole(r->instructions_per_step) << " |\n";
     }
   out << "\nAll steps: `error.csv`.\n\n";
 }
@@ -139,20 +140,18 @@ std::size_t count(const std::vector<StabilityResult>& results, const std::string
       [&](const StabilityResult& r) { return r.scheme == scheme && r.stability == stability; }));
 }
 
-/// Writes the number of cells in which a scheme gains energy, and the largest gain.
+/// Writes the largest gain of energy of a scheme, if any.
 void write_gains(std::ostream& out, const std::vector<StabilityResult>& results, const std::string& scheme) {
-  const std::size_t gaining = count(results, scheme, Stability::energy_gaining);
   double rise = 0, max_damping = 0;
   for (const StabilityResult& r : results) {
     if (r.scheme != scheme || r.stability != Stability::energy_gaining) continue;
     rise = std::max(rise, r.rise);
     max_damping = std::max(max_damping, r.cell.damping);
   }
-  if (gaining == 0) out << "- " << scheme << " gains energy in no cell.\n";
-  else
-    out << "- " << scheme << " gains energy in " << gaining << " cells, all with a damping ratio of "
-        << number(max_damping) << (max_damping > 0 ? " or less" : "") << ": at most " << number(rise, 2)
-        << " of the first energy.\n";
+  if (rise > 0)
+    out << "- " << scheme << " gains at most " << number(rise, 2)
+        << " of the first energy, with a damping ratio of " << number(max_damping)
+        << (max_damping > 0 ? " or less" : "") << ".\n";
 }
 
 }  // namespace
@@ -169,16 +168,16 @@ void write_stability(std::ostream& out, const StudyResults& results) {
     out << '\n';
   }
   out << R"(
-Cells of the map by class. The map runs over coupling stiffness, step, damping ratio and inertia ratio; the
-black line is the limit of the explicitly integrated coupling by theory, in the faster of translation and rotation.
+Cells of a map over coupling stiffness, step, damping ratio and inertia ratio, by class. Black line: the theoretical limit
+of the explicit scheme.
 
 )";
   for (const std::string scheme : stability_schemes) write_gains(out, results.stability, scheme);
   out << '\n';
   for (const std::string scheme : stability_schemes)
     out << "![stability of " << scheme << "](figures/stability-" << scheme << ".png)\n\n";
-  out << R"(The explicitly integrated coupling's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z)
-with z half the damping ratio g / sqrt(m k), and found by bisection:
+  out << R"(The explicit scheme's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z) with z half the damping
+ratio, and found by bisection:
 
 | damping ratio | theory | measured |
 |---|---|---|
@@ -237,16 +236,13 @@ void write_footprint(std::ostream& out, const std::vector<FootprintRow>& rows) {
     return;
   }
   write_parts(out, rows);
-  out << R"(![footprint](figures/footprint.png)
-
-| composition | params | state | scratch | code | constants | instr., one body | instr., all bodies |
-|---|---|---|---|---|---|---|---|
-)";
-  for (const FootprintRow& r : rows)
-    out << "| " << r.composition << " | " << r.params_bytes << " | " << r.state_bytes << " | "
-        << r.scratch_bytes << " | " << whole(r.code_bytes) << " | " << whole(r.constant_bytes) << " | "
-        << whole(r.instructions) << " | " << whole(r.instructions_full) << " |\n";
-  out << "\nBytes; the number after the dash is how many bodies fit.\n\n";
+  if (const FootprintRow* const smallest = find(rows, "free-1 implicit-euler"))
+    out << "The smallest, " << smallest->composition << ", has " << whole(data_bytes(*smallest))
+        << " bytes of data, " << whole(smallest->code_bytes) << " of code and "
+        << whole(smallest->constant_bytes) << " of constants, and " << whole(smallest->instructions)
+        << " instructions a step. All compositions: `footprint.csv`; the number after the dash is how many "
+           "bodies fit.\n\n";
+  out << "![footprint](figures/footprint.png)\n\n";
 }
 
 }  // namespace godobject::study

@@ -1,0 +1,219 @@
+// Checks of a prepared run: options against each other and the scene, and the motion. The motion must start
+// near the bodies and be no faster than a hand.
+#include "platform/cli/run/options.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "platform/scene/checks.h"
+
+namespace godobject {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t max_interface_name = 15;  // limit of candump's format
+constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
+
+struct NamedPath {
+  std::string option;
+  std::string path;
+};
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// Returns why `path` cannot be written; empty if it can.
+std::string why_not_writable(const std::string& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return "is a directory";
+  fs::path folder = folder_of(path);
+  // make_folders() creates missing folders, but none in the root folder, where a missing one is a
+  // misspelling.
+  fs::path missing;
+  for (; !fs::exists(folder, ignored) && folder != folder_of(folder); folder = folder_of(folder))
+    missing = folder;
+  if (!missing.empty() && folder == folder.root_path())
+    return "cannot be written: create the missing folder '" + missing.string() + "'";
+  if (!fs::is_directory(folder, ignored))
+    return "cannot be written: '" + folder.string() + "' is not a folder";
+  const bool exists = fs::exists(path, ignored);
+  if (access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) == 0) return "";
+  return "cannot be written: " + std::generic_category().message(errno);
+}
+
+void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
+                  std::vector<std::string>& errors) {
+  if (options.files.record.empty()) return;
+  if (options.view_input) {
+    errors.push_back("--record: with --view-input there is no bus to record: remove either");
+  } else if (!has_rig(scene)) {
+    errors.push_back("--record: scene '" + scene.name +
+                     "' describes no buses to record: remove --record, or add [[bus]] tables");
+  } else if (choice == BusChoice::direct) {
+    errors.push_back("--record: with --bus direct there is no bus to record: remove either");
+  } else {
+    for (const BusParams& bus : scene.device->rig->buses)
+      if (bus.name.size() > max_interface_name)
+        errors.push_back("--record: bus name '" + bus.name +
+                         "' is too long for a candump log: shorten it to at most " +
+                         std::to_string(max_interface_name) + " characters");
+  }
+}
+
+void check_contacts(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
+  if (!options.files.contacts.empty() && contact_scope(scene) == ContactScope::none)
+    errors.push_back("--contacts: nothing in scene '" + scene.name +
+                     "' can touch: give its bodies spheres, and obstacles or shapes to touch");
+}
+
+void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
+  if (!options.files.nets.empty() && scene.nets.empty())
+    errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
+}
+
+/// True if the offset exceeds the bound by more than rounding.
+bool exceeds(const PoseError& offset, const PoseError& bound) {
+  return offset.m > 1.001 * bound.m || offset.rad > 1.001 * bound.rad;
+}
+
+std::string text_of(const std::string& body, const PoseError& offset) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "body '%s' starts %.3f m and %.3f rad from its target",
+                body.c_str(), offset.m, offset.rad);
+  return text.data();
+}
+
+/// Warns of degrees in place of radians: hardly a hinge starts more than a turn from its zero.
+void check_joints(const Session& session, const std::string& file, std::vector<std::string>& warnings) {
+  const std::optional<JointTarget> start = session.joints_at_start();
+  if (!start) return;
+  const std::vector<DeviceJoint>& joints = device_tree(session.scene())->joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double q = start->q[static_cast<Eigen::Index>(i)];
+    if (joints[i].kind != DeviceJointKind::hinge || std::abs(q) <= 2 * pi) continue;
+    std::array<char, 200> text{};
+    std::snprintf(text.data(), text.size(),
+                  ": joint '%s' starts at %.4g rad, more than a turn: give angles in radians",
+                  joints[i].name.c_str(), q);
+    warnings.push_back(file + text.data());
+  }
+}
+
+}  // namespace
+
+void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
+  std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
+  for (const NamedPath& out :
+       {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
+        NamedPath{"--nets", options.files.nets}, NamedPath{"--record", options.files.record},
+        NamedPath{"--report", options.report}}) {
+    if (out.path.empty()) continue;
+    const std::string why_not = why_not_writable(out.path);
+    if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
+    for (const NamedPath& other : taken)
+      if (!other.path.empty() && same_file(out.path, other.path))
+        errors.push_back(out.option + ": '" + out.path + "' is also " + other.option + ": give another name");
+    taken.push_back(out);
+  }
+}
+
+std::string make_folders(const RunOptions& options) {
+  for (const std::string& path : {options.files.trace, options.files.contacts, options.files.nets,
+                                  options.files.record, options.report}) {
+    std::error_code error;
+    if (path.empty() || fs::exists(folder_of(path), error)) continue;
+    if (!fs::create_directories(folder_of(path), error) && error)
+      return "'" + folder_of(path).string() + "' cannot be created: " + error.message();
+  }
+  return "";
+}
+
+void check_view(const RunOptions& options, std::vector<std::string>& errors) {
+  if (!options.view) {
+    if (options.view_input) errors.push_back("--view-input: requires --view: add it");
+    return;
+  }
+  if (!options.view_input) return;
+  if (options.fast) errors.push_back("--view-input: requires wall time: remove --fast");
+  if (!options.motion.empty())
+    errors.push_back("--view-input: the page's pointer replaces --motion: remove either");
+  if (!options.trackers.empty() ||
+      std::ranges::any_of(options.buses, [](const std::string& bus) { return bus != "direct"; }))
+    errors.push_back(
+        "--view-input: the page's pointer replaces the device and its motors: remove --bus and --tracker");
+}
+
+void check_recorded(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
+                    std::vector<std::string>& errors) {
+  check_record(options, choice, scene, errors);
+  check_contacts(options, scene, errors);
+  check_nets(options, scene, errors);
+}
+
+void check_real_buses(const RunOptions& options, PreparedRun& run) {
+  if (run.buses.choice != BusChoice::real) {
+    if (options.rearm != Rearm::never && run.buses.choice == BusChoice::direct)
+      run.errors.push_back("--rearm: with --bus direct there is no device to arm: remove --rearm");
+    return;
+  }
+  if (run.buses.real.are_logs()) {
+    if (!options.trackers.empty())
+      run.errors.push_back(
+          "--tracker: a log runs in its own time, a real tracker in wall time: remove --tracker, or use a "
+          "bus other than replay:");
+    return;
+  }
+  if (options.fast)
+    run.errors.push_back(
+        "--fast: real buses and trackers run in wall time, not on a simulated clock: remove --fast");
+  if (!options.motion.empty())
+    run.notes.push_back(
+        "--motion: real buses and trackers measure the handles; this run reads only the switches of the "
+        "file");
+}
+
+void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
+                 std::vector<std::string>& errors) {
+  check_joints(session, file, warnings);
+  const SceneConfig& scene = session.scene();
+  for (const std::size_t body : driven_bodies(scene)) {
+    const std::optional<PoseError> offset = session.offset_at_start(body);
+    if (!offset || !exceeds(*offset, advised_offset)) continue;
+    const std::string what = file + ": " + text_of(scene.bodies[body].name, *offset);
+    if (exceeds(*offset, largest_offset))
+      errors.push_back(what +
+                       "; at most 1 m and 3 rad are admissible: give lengths in metres and angles in "
+                       "radians, or start the motion at the body");
+    else warnings.push_back(what + ", and the coupling pulls it there: start the motion at the body");
+  }
+}
+
+void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,
+                 std::vector<std::string>& warnings) {
+  const MotionSpeed most = fastest(motion, duration, scene.step);
+  if (most.speed <= max_hand_speed) return;
+  std::array<char, 240> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      ": the motion moves the target of '%s' at %.3g m/s at %.3g s; expected are at most %g m/s, the "
+      "speed of a hand: give lengths in m and times in s, or slow the motion down",
+      motion_targets(scene)[most.body].c_str(), most.speed, most.t, max_hand_speed);
+  warnings.push_back(file + text.data());
+}
+
+}  // namespace godobject

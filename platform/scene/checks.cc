@@ -1,0 +1,268 @@
+#include "platform/scene/checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
+#include "platform/scene/keys/joint.h"
+
+namespace godobject {
+namespace {
+
+using Box = Eigen::AlignedBox3d;
+
+Vec3 principal_moments(const BodyConfig& body) {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+/// Returns the largest distance of a solid's points from its centre, m.
+double reach_of(const ShapeConfig& shape) {
+  return shape.half_extents.value_or(Vec3::Zero()).norm() + shape.radius.value_or(0) +
+         shape.half_length.value_or(0);
+}
+
+double volume_of(const ShapeConfig& shape) {
+  if (shape.half_extents) return 8 * shape.half_extents->prod();
+  const double r = shape.radius.value_or(0);
+  return std::numbers::pi * r * r * (4 * r / 3 + 2 * shape.half_length.value_or(0));
+}
+
+/// Calls f(centre, radius) for the first and the last sphere of each row.
+template <class F>
+void for_ends(const BodyConfig& body, F f) {
+  for (const SphereConfig& row : body.spheres) {
+    f(row.p_B, row.radius);
+    f(Vec3(row.p_B + (row.count - 1) * row.spacing), row.radius);
+  }
+}
+
+/// Returns R, the largest distance of spheres and shapes from the centre of mass, m.
+double reach_of(const BodyConfig& body) {
+  double R = 0;
+  for_ends(body, [&](const Vec3& p_B, double radius) { R = std::max(R, p_B.norm() + radius); });
+  for (const ShapeConfig& shape : body.shapes) R = std::max(R, shape.X.p.norm() + reach_of(shape));
+  return R;
+}
+
+/// Returns the radius of gyration: r_g^2 = I_max / m.
+double gyration_of(const BodyConfig& body) {
+  return std::sqrt(principal_moments(body).maxCoeff() / body.mass);
+}
+
+bool gyrates_near(const BodyConfig& body, double R) {
+  const double r_g = gyration_of(body);
+  return r_g >= min_gyration * R && r_g <= max_gyration * R;
+}
+
+/// Returns the volume of the homogeneous ellipsoid with semi-axes a_i^2 = 5 (I_j + I_k - I_i) / (2 m).
+/// Returns 0 without the triangle inequality, of which another check warns.
+double volume_of_ellipsoid(const BodyConfig& body) {
+  const Vec3 I = principal_moments(body);
+  const Vec3 squares = 5 / (2 * body.mass) * (Vec3::Constant(I.sum()) - 2 * I);
+  return squares.minCoeff() <= 0 ? 0 : 4 * std::numbers::pi / 3 * std::sqrt(squares.prod());
+}
+
+/// Bounds of the volume of a body's mass, m^3; 0: unknown.
+struct Volumes {
+  double least = 0, most = 0;
+};
+
+Volumes volumes_of(const BodyConfig& body) {
+  double of_shapes = 0;
+  for (const ShapeConfig& shape : body.shapes) of_shapes += volume_of(shape);
+  Box box;
+  for_ends(body, [&](const Vec3& p_B, double radius) {
+    box.extend(Vec3(p_B + Vec3::Constant(radius)));
+    box.extend(Vec3(p_B - Vec3::Constant(radius)));
+  });
+  const double drawn = std::max(of_shapes, box.isEmpty() ? 0 : box.volume());
+  const double R = reach_of(body), r_g = gyration_of(body);
+  const bool is_shaped = of_shapes > 0 && r_g <= R;  // no mass lies beyond its shapes
+  if (is_shaped || (R > 0 && !gyrates_near(body, R))) return {drawn, drawn};
+  return {.least = std::max(drawn, volume_of_ellipsoid(body)),
+          .most = std::max(drawn, 4 * std::numbers::pi / 3 * r_g * r_g * r_g)};
+}
+
+std::string expected(double least, double most, const char* unit) {
+  return "expected are " + shortest_plain(least) + " to " + shortest_plain(most) + " " + unit;
+}
+
+/// Relative tolerance of a sphere's radius, for numbers rounded in a file.
+constexpr double radius_tolerance = 1e-3;
+
+/// A corner of a box, the ball at an end of a capsule, or a whole ball.
+struct Tip {
+  Vec3 p_B;
+  double radius = 0;
+};
+
+std::vector<Tip> tips_of(const ShapeConfig& shape) {
+  std::vector<Tip> tips;
+  if (shape.kind == ShapeKind::box) {
+    const Vec3 half = shape.half_extents.value_or(Vec3::Zero());
+    for (int k = 0; k < 8; ++k)
+      tips.push_back({.p_B = shape.X.p + shape.X.q * half.cwiseProduct(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1,
+                                                                            k & 4 ? 1 : -1))});
+    return tips;
+  }
+  const double radius = shape.radius.value_or(0), half_length = shape.half_length.value_or(0);
+  for (const double side : {-1.0, 1.0})
+    tips.push_back({.p_B = shape.X.p + shape.X.q * Vec3(0, 0, side * half_length), .radius = radius});
+  return tips;
+}
+
+/// True if one sphere of the body, its radius multiplied by `times`, contains all tips.
+bool is_held(const BodyConfig& body, const Tip* first, const Tip* end, double times) {
+  for (const SphereConfig& row : body.spheres)
+    for (int i = 0; i < row.count; ++i) {
+      const Vec3 p_B = row.p_B + i * row.spacing;
+      if (std::all_of(first, end, [&](const Tip& tip) {
+            return (tip.p_B - p_B).norm() + tip.radius <= times * (1 + radius_tolerance) * row.radius;
+          }))
+        return true;
+    }
+  return false;
+}
+
+/// Distance from the centre of a sphere tangent to three faces of a box to their corner, in radii.
+const double inset = std::sqrt(3.0);
+
+ShapeCover cover_of(const BodyConfig& body, const ShapeConfig& shape) {
+  const std::vector<Tip> tips = tips_of(shape);
+  const Tip *const first = tips.data(), *const end = first + tips.size();
+  if (is_held(body, first, end, 1)) return ShapeCover::whole;
+  for (const Tip* tip = first; tip != end; ++tip)
+    if (!is_held(body, tip, tip + 1, inset)) return ShapeCover::none;
+  return ShapeCover::tips;
+}
+
+bool is_of_boxes(const BodyConfig& body) {
+  return std::ranges::all_of(body.shapes, [](const ShapeConfig& s) { return s.kind == ShapeKind::box; });
+}
+
+ShapeParams in_world(const Surface& surface, const SceneConfig& scene) {
+  ShapeParams shape = surface.shape;
+  if (surface.body == world) return shape;
+  const Pose& X_WB = scene.bodies[surface.body].X_WB;
+  shape.X_WS = {.p = X_WB.p + X_WB.q * shape.X_WS.p, .q = X_WB.q * shape.X_WS.q};
+  return shape;
+}
+
+}  // namespace
+
+// ---- units and sizes ------------------------------------------------------------------------------
+
+std::string doubt_of_gyration(const BodyConfig& body) {
+  const double R = reach_of(body);
+  if (R == 0 || gyrates_near(body, R)) return "";
+  return "gives body '" + body.name + "' a radius of gyration of " + rounded(gyration_of(body)) +
+         " m, and its spheres and shapes reach " + rounded(R) + " m; " +
+         expected(min_gyration, max_gyration, "times their reach") +
+         ": give inertia in kg m^2, mass in kg, lengths in m";
+}
+
+std::string doubt_of_density(const BodyConfig& body) {
+  const Volumes V = volumes_of(body);
+  const bool light = V.least > 0 && body.mass < min_density * V.least;
+  const bool heavy = V.most > 0 && body.mass > max_density * V.most;
+  if (!light && !heavy) return "";
+  const double volume = light ? V.least : V.most;
+  return "gives body '" + body.name + "' a density of " + rounded(body.mass / volume) + " kg/m^3, " +
+         rounded(body.mass) + " kg in " + rounded(volume) + " m^3; " +
+         expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m, inertia in kg m^2";
+}
+
+std::string doubt_of_density(double surface_density, double thickness) {
+  if (surface_density > max_surface_density)
+    return "is " + rounded(surface_density) + " kg/m^2 of surface density; expected are at most " +
+           shortest_plain(max_surface_density) + " kg/m^2: give mass in kg, lengths in m";
+  const double density = surface_density / thickness;
+  if (!(thickness > 0 && surface_density > 0) || (density >= min_density && density <= max_density))
+    return "";
+  return "is a density of " + rounded(density) + " kg/m^3, " + rounded(surface_density) +
+         " kg/m^2 over a thickness of " + rounded(thickness) + " m; " +
+         expected(min_density, max_density, "kg/m^3") + ": give mass in kg, lengths in m";
+}
+
+std::string doubt_of_size(const MeshData& mesh, const std::string& owner) {
+  Box box;
+  for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
+  if (box.isEmpty()) return "";
+  const double size = box.sizes().maxCoeff();
+  if (size >= min_mesh_size && size <= max_mesh_size) return "";
+  return "mesh of " + owner + " is " + rounded(size) + " m long; " +
+         expected(min_mesh_size, max_mesh_size, "m") +
+         ": 'scale' is the length of one unit of its file in m, 0.001 for mm";
+}
+
+// ---- shapes that touch others only with spheres ---------------------------------------------------
+
+ShapeCover shape_cover(const BodyConfig& body) {
+  ShapeCover least = ShapeCover::whole;
+  for (const ShapeConfig& shape : body.shapes) least = std::min(least, cover_of(body, shape));
+  return least;
+}
+
+bool meets_obstacle(ShapeCover cover, ShapeKind obstacle) {
+  return cover >= (obstacle == ShapeKind::plane ? ShapeCover::tips : ShapeCover::whole);
+}
+
+bool meet_each_other(const BodyConfig& a, const BodyConfig& b) {
+  const ShapeCover of_a = shape_cover(a), of_b = shape_cover(b);
+  if (of_a == ShapeCover::whole || of_b == ShapeCover::whole) return true;
+  return of_a == ShapeCover::tips && of_b == ShapeCover::tips && is_of_boxes(a) && is_of_boxes(b);
+}
+
+std::vector<SpheresAlone> spheres_alone(const SceneConfig& scene) {
+  const std::vector<std::size_t> tools = tools_of(scene);
+  std::vector<SpheresAlone> all;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const BodyConfig& body = scene.bodies[i];
+    SpheresAlone one{.body = body.name, .other = {}};
+    const auto add = [&](const std::string& other) {
+      if (one.num_others++ == 0) one.other = other;
+    };
+    const ShapeCover cover = shape_cover(body);
+    for (const ObstacleConfig& obstacle : scene.obstacles)
+      if (!meets_obstacle(cover, obstacle.shape.kind)) add("obstacle '" + obstacle.name + "'");
+    for (std::size_t j = i + 1; j < scene.bodies.size(); ++j)
+      if (tools[i] != tools[j] && !meet_each_other(body, scene.bodies[j]))
+        add("the shape of body '" + scene.bodies[j].name + "'");
+    if (one.num_others > 0) all.push_back(std::move(one));
+  }
+  return all;
+}
+
+BuriedSpheres buried_spheres(const SceneConfig& scene) {
+  const SceneContacts contacts = scene_contacts(scene);
+  const std::vector<std::size_t> tools = tools_of(scene);
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  std::vector<ShapeParams> shapes;
+  for (const Surface& surface : contacts.surfaces) shapes.push_back(in_world(surface, scene));
+  BuriedSpheres buried;
+  for (const BodySphere& sphere : contacts.spheres) {
+    const BodyConfig& body = scene.bodies[sphere.body];
+    const Vec3 p_W = body.X_WB.p + body.X_WB.q * sphere.p_B;
+    double deepest = 0;
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+      const std::size_t other = contacts.surfaces[s].body;
+      if (other != world && tools[other] == tools[sphere.body]) continue;
+      const double distance = nearest(shapes[s], p_W, anywhere).distance;
+      if (!(distance < deepest)) continue;
+      deepest = distance;
+      if (sphere.radius - distance <= buried.depth) continue;
+      buried.depth = sphere.radius - distance;
+      buried.deepest = "sphere of body '" + body.name + "' in " + contacts.surface_names[s];
+    }
+    if (deepest < 0) ++buried.num;
+  }
+  return buried;
+}
+
+}  // namespace godobject

@@ -1,0 +1,101 @@
+// Checks of a scene beyond the ranges of its keys: implausible units and sizes, shapes that touch by spheres
+// alone, and top speeds.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "platform/scene/scene.h"
+
+namespace godobject {
+
+// Units and sizes far outside the range of a hand. Each function returns an empty text or a warning: the
+// quantity with its unit, the bounds, and the remedy.
+
+/// Compares the radius of gyration with the reach R of spheres and shapes. Mass within R has r_g <= R, a
+/// homogeneous sphere 0.63 R. Parts without contacts may reach farther.
+inline constexpr double min_gyration = 0.1, max_gyration = 5;      // relative to R
+inline constexpr double min_density = 1, max_density = 30'000;     // kg/m^3
+inline constexpr double max_surface_density = 100;                 // kg/m^2
+inline constexpr double min_mesh_size = 1e-4, max_mesh_size = 10;  // m, longest side of the bounding box
+inline constexpr double max_hand_speed = 5;                        // m/s
+
+std::string doubt_of_gyration(const BodyConfig& body);
+/// Estimates the volume as the larger one of the shapes and of the spheres' bounding box. Without shapes, or
+/// with mass beyond them, the volume has bounds. They are the homogeneous ellipsoid of the body's mass and
+/// inertia, and the ball of its radius of gyration.
+std::string doubt_of_density(const BodyConfig& body);
+/// thickness: thickness of the net, m; 0: not checked.
+std::string doubt_of_density(double surface_density, double thickness);
+/// mesh: in m, with the file's scale applied; owner: "obstacle 'liver'".
+std::string doubt_of_size(const MeshData& mesh, const std::string& owner);
+
+// Shapes that touch others only with the spheres of their body, so that narrower solids pass between these at
+// any speed.
+//
+// A shape is touched by spheres and nodes of nets. Boxes of two bodies also touch at their edges. No other
+// shapes are compared (core/contact/find/find.h). So a body with shapes misses
+//
+//   obstacles other than planes, unless one of its spheres contains the shape;
+//   planes, unless a sphere is set at each corner and end of the shape;
+//   shapes of other bodies, unless a sphere contains one of the two, or both are boxes with all corners
+//   covered.
+
+/// Cover of a body's shapes by its spheres.
+enum class ShapeCover : std::uint8_t {
+  none,
+  tips,   // a sphere is set at each corner of a box and each end of a capsule
+  whole,  // each shape is within a sphere, or there are no shapes
+};
+
+ShapeCover shape_cover(const BodyConfig& body);
+
+/// True if a body with this cover touches an obstacle of this kind at every place of its shapes.
+bool meets_obstacle(ShapeCover cover, ShapeKind obstacle);
+
+/// True if two bodies that may touch do so at every place of their shapes.
+bool meet_each_other(const BodyConfig& a, const BodyConfig& b);
+
+/// A body whose shapes touch others only with spheres, and the first of the others.
+struct SpheresAlone {
+  std::string body, other;     // names: "tray", "obstacle 'post'"
+  std::size_t num_others = 0;  // number of the others
+};
+std::vector<SpheresAlone> spheres_alone(const SceneConfig& scene);
+
+/// Spheres whose centres start inside a solid that they can touch.
+struct BuriedSpheres {
+  std::size_t num = 0;
+  std::string deepest;  // "sphere of body 'tool' in obstacle 'wall'"
+  double depth = 0;     // m, from the lowest point of the deepest sphere to the surface
+};
+BuriedSpheres buried_spheres(const SceneConfig& scene);
+
+// Speeds up to which the contacts of a scene let nothing pass, derived in top_speed.cc.
+
+/// Speeds up to which a sphere and its opposite solid, or two boxes, hold. Infinite without a bound.
+struct SpeedBound {
+  std::string what;   // "sphere of body 'tool' and obstacle 'wall'", "boxes of bodies 'a' and 'b'"
+  double travel = 0;  // m/s
+  double energy = 0;  // m/s
+  double hand = 0;    // x_H, m
+  double top() const { return travel < energy ? travel : energy; }
+};
+
+/// Returns the bound of the pair with the lowest top speed; none without contacts, or if there is no bound.
+std::optional<SpeedBound> top_speed(const SceneConfig& scene);
+
+/// Returns the subject of "... passes through a solid", with the nets and shapes that the bound excludes.
+const char* what_does_not_pass(const SceneConfig& scene);
+
+/// Returns the bound as a line: "1.5 m/s: up to this speed nothing passes through a solid, ...", or that it
+/// is infinite or missing. Empty if nothing can touch.
+std::string top_speed_text(const SceneConfig& scene);
+
+/// Returns the shortest distance through the solid along inward normals, sampled at up to 2000 triangles, m.
+double thinnest(const MeshData& mesh);
+
+inline constexpr double advised_top_speed = 2;  // m/s, speed of a fast hand
+
+}  // namespace godobject
