@@ -89,11 +89,11 @@ inline bool is_valid(const ContactLaw& law) noexcept {
          is_gain(law.push_out) && holds;
 }
 
-/// Validates the contacts of bodies numbered below num_bodies. on_bodies: surfaces may belong to bodies.
-/// exists(i): true if i is the number of a body or node.
+/// Validates the contacts of bodies numbered below num_bodies. exists(i): true if i is the number of a body
+/// or node.
 template <std::size_t max_spheres, std::size_t max_surfaces, class Exists>
 Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, std::size_t num_bodies,
-                           bool on_bodies, Exists exists) noexcept {
+                           Exists exists) noexcept {
   if (par.num_spheres > max_spheres) return Invalid::contact_sphere;
   if (par.num_surfaces > max_surfaces) return Invalid::contact_surface;
   std::size_t body = 0;
@@ -109,7 +109,7 @@ Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, 
     const Surface& surface = par.surfaces[o];
     const bool in_order = body == world || (surface.body != world && surface.body >= body);
     const bool owned =
-        surface.body == world || (on_bodies && surface.body < num_bodies && is_carried(surface.shape.kind));
+        surface.body == world || (surface.body < num_bodies && is_carried(surface.shape.kind));
     if (!is_valid(surface.shape) || !in_order || !owned || surface.material >= max_materials)
       return {Invalid::contact_surface, o};
     body = surface.body;
@@ -174,7 +174,7 @@ Validity validate(const Params<S>& par) noexcept {
     }
     if constexpr (uses<TermsOf<S>>)
       if (!are_valid(par.terms.of_kinds, exists)) return Invalid::term;
-    return validate_contacts(par.contacts, par.num_bodies, ContactsOf<S>::between_bodies, exists);
+    return validate_contacts(par.contacts, par.num_bodies, exists);
   }
   return Invalid::nothing;
 }

@@ -90,6 +90,10 @@ inline constexpr Real same_normal = 0.995;
 /// Sine of the angle between edges below which they count as parallel.
 inline constexpr Real min_edge_sine = 0.01;
 
+/// Smallest angle between the normals of two contacts of a sphere with a mesh or height field, rad. One
+/// degree: edges of nearly flat surfaces are not felt. tests/core/contact/test_valleys.cc.
+inline constexpr Real least_face_turn = 0.0175;
+
 /// Limit of steps along the path of a swept shape, one that moves farther in a stage than its size. This and
 /// the next two: tests/core/contact/test_tunnelling.cc.
 inline constexpr int max_advances = 32;
@@ -118,6 +122,10 @@ inline constexpr std::size_t blocks_per_body = 8;
 /// Pairs of a carrier's nodes with another body, per body; further pairs are left to the iteration. A net is
 /// held by two jaws and lies on one or two bodies more. No sweep.
 inline constexpr std::size_t net_pairs_per_body = 4;
+
+/// Faces of a mesh or height field that a sphere touches at a time; further ones are reported as contacts
+/// without room. A pit of four faces with a sphere in its corner needs four. Three bits of a contact's key.
+inline constexpr std::size_t max_touched_faces = 8;
 
 /// Materials of a scene, with a law per pair: tissues, parts of an instrument, the table. 64 laws take 3 kB.
 inline constexpr std::size_t max_materials = 8;

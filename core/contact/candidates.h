@@ -16,7 +16,7 @@ struct NearContact {
   std::uint32_t a = 0, b = 0;    // bodies of `of` and `on`
   Real d = 0;                    // depth, m; < 0: apart
   Real v_n = 0;                  // opening speed, m/s
-  Vec3 p_W = Vec3::Zero();       // contact point, on a
+  Vec3 p_W = Vec3::Zero();       // contact point: on the sphere, or midway between two spheres or edges
   Vec3 n_W = Vec3::UnitZ();      // normal, off b
 
   static bool comes_before(const NearContact& a, const NearContact& b) noexcept { return a.key < b.key; }

@@ -16,12 +16,14 @@ struct BoundedList {
   std::size_t size = 0;
   std::size_t num_found = 0;  // more than size: the list was full, and the deepest were kept
 
-  bool in_order = true;  // true while items were added in order
+  bool in_order = true;   // true while items were added in order
+  bool is_short = false;  // true if items were left out before they were added
 
-  bool full() const noexcept { return num_found > size; }
+  bool full() const noexcept { return is_short || has_overflowed(); }
   void clear() noexcept {
     size = num_found = 0;
     in_order = true;
+    is_short = false;
   }
   void add(const Item& item) noexcept {
     ++num_found;
@@ -31,7 +33,7 @@ struct BoundedList {
   }
   /// Removes the items added since the size was `mark`. A full list keeps them.
   void forget_from(std::size_t mark) noexcept {
-    if (!full()) size = num_found = mark;
+    if (!has_overflowed()) size = num_found = mark;
   }
   /// Replaces the shallowest item of a full list; the list is a heap until put_in_order(). Not inlined and by
   /// value: otherwise items of a list with room would also pass through memory.
@@ -44,11 +46,12 @@ struct BoundedList {
     std::push_heap(list.begin(), list.end(), is_deeper);
   }
   void put_in_order() noexcept {
-    if (full()) put_full_in_order();
+    if (has_overflowed()) put_full_in_order();
     else if (!in_order) put_few_in_order();
   }
 
  private:
+  bool has_overflowed() const noexcept { return num_found > size; }
   /// Sorts a full list. An item that could not be removed may have been added twice; the deeper of both is
   /// kept.
   [[gnu::noinline]] void put_full_in_order() noexcept {

@@ -56,12 +56,10 @@ class NetFinder {
   /// Returns a bound of the motion of a pack's nodes in the stage. Nodes without contacts are placed at
   /// infinity.
   Real travel(std::uint32_t k) const noexcept {
-    Real most = 0;
-    for (std::uint32_t n = 4 * k; n < std::min<std::size_t>(4 * k + 4, w_.num_nodes); ++n) {
-      const Vec3 v = w_.v[n].vec();
-      most = std::max(most, v.cwiseAbs().sum());
-    }
-    return bodies_.since() * most;
+    Real fastest_sq = 0;
+    for (std::uint32_t n = 4 * k; n < std::min<std::size_t>(4 * k + 4, w_.num_nodes); ++n)
+      fastest_sq = std::max(fastest_sq, w_.v[n].vec().squaredNorm());
+    return bodies_.since() * std::sqrt(fastest_sq);
   }
 
   void find_on_surface(std::uint32_t o, std::uint32_t num_packs) noexcept {

@@ -86,7 +86,36 @@ struct HeightFieldShape {
     return best;
   }
 
+  /// Calls f(corners, normal, neighbour_normal) for the triangles in the cells within reach of p along x and
+  /// y. neighbour_normal(k): normal of the triangle or wall beyond edge k.
+  template <class F>
+  static void each_triangle(const ShapeParams& par, const Vec3& p, Real reach, F f) noexcept {
+    const HeightField& field = *par.height_field;
+    const std::uint32_t columns = field.columns - 1, rows = field.rows - 1;
+    const std::uint32_t last_i = grid_cell(p.x() + reach, field.spacing, columns);
+    const std::uint32_t last_j = grid_cell(p.y() + reach, field.spacing, rows);
+    for (std::uint32_t j = grid_cell(p.y() - reach, field.spacing, rows); j <= last_j; ++j)
+      for (std::uint32_t i = grid_cell(p.x() - reach, field.spacing, columns); i <= last_i; ++i)
+        for (const bool upper : {false, true}) {
+          const Corners t = cell_triangle(field, i, j, upper);
+          f(t, upward_normal(t),
+            [&, i, j, upper](std::size_t k) noexcept { return neighbour_normal(field, i, j, upper, k); });
+        }
+  }
+
  private:
+  /// Returns the normal of the triangle or wall beyond edge k of a cell's triangle.
+  static Vec3 neighbour_normal(const HeightField& field, std::uint32_t i, std::uint32_t j, bool upper,
+                               std::size_t k) noexcept {
+    if (k == (upper ? 0 : 2)) return upward_normal(cell_triangle(field, i, j, !upper));
+    const bool along_x = k == (upper ? 2 : 1), next = upper != along_x;  // where the neighbour lies
+    const std::uint32_t at = along_x ? i : j, last = (along_x ? field.columns : field.rows) - 2;
+    if (at == (next ? last : 0))
+      return (next ? 1 : -1) * (along_x ? Vec3(Vec3::UnitX()) : Vec3(Vec3::UnitY()));
+    const std::uint32_t to = next ? at + 1 : at - 1;
+    return upward_normal(cell_triangle(field, along_x ? to : i, along_x ? j : to, !upper));
+  }
+
   /// Returns the nearest point of the triangles in the cell nearest to p in x and y, and in all others within
   /// reach. Of points equally near, that of the first triangle.
   static SurfacePoint nearest_triangle(const HeightField& field, const Vec3& p, Real reach, Real side,

@@ -94,6 +94,27 @@ struct MeshShape {
     return surface_point(mesh, best, p);
   }
 
+  /// Calls f(corners, normal, neighbour_normal) for the triangles in the cells within reach of p, for some
+  /// several times. neighbour_normal(k): normal of the triangle beyond edge k.
+  template <class F>
+  static void each_triangle(const ShapeParams& par, const Vec3& p, Real reach, F f) noexcept {
+    const TriangleMesh& mesh = *par.mesh;
+    const MeshGrid& grid = mesh.grid;
+    const Vec3 low = p - Vec3::Constant(reach), high = p + Vec3::Constant(reach);
+    for_each_cell(grid, low, high, [&](auto i, auto j, auto k) {
+      const std::size_t cell = grid.index(i, j, k);
+      for (std::uint32_t c = grid.start[cell]; c < grid.start[cell + 1]; ++c) {
+        const std::uint32_t t = grid.triangles[c];
+        const Vec3& n = mesh.face_normals[t];
+        // an edge's normal halves the angle between those of its triangles
+        f(mesh.corners(t), n, [&](std::size_t edge) noexcept {
+          const Vec3& half = mesh.edge_normals[t][edge];
+          return Vec3(2 * half.dot(n) * half - n);
+        });
+      }
+    });
+  }
+
  private:
   static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
 

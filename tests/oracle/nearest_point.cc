@@ -123,4 +123,26 @@ NearestPoint nearest_point(const Solid& solid, const Vector3d& p) {
   return {.distance = side * length - solid.radius, .n = side * (p - at) / length};
 }
 
+std::vector<NearestPoint> nearest_points(const Solid& solid, const Vector3d& p) {
+  constexpr double rounding = 1e-12;  // m
+  std::vector<Vector3d> kept;
+  std::vector<NearestPoint> nearest;
+  for (const Solid::Triangle& t : solid.triangles) {
+    const Vector3d q = on_triangle(t, p);
+    const double distance = (p - q).norm();
+    // triangles are convex, so any that meets q and is nearer leads down from q
+    const bool is_lowest =
+        std::all_of(solid.triangles.begin(), solid.triangles.end(), [&](const Solid::Triangle& u) {
+          return (on_triangle(u, q) - q).norm() > rounding ||
+                 (on_triangle(u, p) - p).norm() > distance - rounding;
+        });
+    const bool is_known = std::any_of(kept.begin(), kept.end(),
+                                      [&](const Vector3d& k) { return (k - q).norm() < 1e3 * rounding; });
+    if (!is_lowest || is_known || (t[1] - t[0]).cross(t[2] - t[0]).dot(p - q) <= 0) continue;
+    kept.push_back(q);
+    nearest.push_back({distance, (p - q) / distance});
+  }
+  return nearest;
+}
+
 }  // namespace godobject::oracle

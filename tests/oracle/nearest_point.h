@@ -38,4 +38,7 @@ struct NearestPoint {
 /// The surface of a solid seen from a point of its frame.
 NearestPoint nearest_point(const Solid& solid, const Eigen::Vector3d& p);
 
+/// All points of a closed surface that are nearer to a point outside than the surface round them, each once.
+std::vector<NearestPoint> nearest_points(const Solid& solid, const Eigen::Vector3d& p);
+
 }  // namespace godobject::oracle

@@ -14,6 +14,12 @@ inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
 inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noexcept {
   return std::uint64_t(touched) << 15 | sphere;
 }
+/// Returns the key of one of the contacts of a sphere with an obstacle that it touches at several faces.
+/// slot: below max_touched_faces.
+inline std::uint64_t face_key(std::uint64_t touch, std::size_t slot) noexcept {
+  static_assert(max_touched_faces <= 8);  // three bits above the numbers of surfaces
+  return touch | std::uint64_t(slot) << 26;
+}
 inline std::uint32_t sphere_of(std::uint64_t key) noexcept {
   return static_cast<std::uint32_t>(key) & 0x7fff;
 }
@@ -68,16 +74,23 @@ class RecallDeepPairs {
   std::size_t at_ = 0;
 };
 
+/// Returns the memory of a key; null if there is none.
+template <std::size_t max_contacts>
+const ContactMemory* memory_of(std::uint64_t key, const ContactMemories<max_contacts>& before) noexcept {
+  const ContactMemory *const first = before.list.data(), *const end = first + before.size;
+  const ContactMemory* const at = std::lower_bound(
+      first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
+  return at == end || at->key != key ? nullptr : at;
+}
+
 /// Returns the face of a box nearest to a point p that is or was inside it. The face that carried the contact
 /// force in the previous step takes precedence.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>& before,
                                 const PlacedShape& box, const Vec3& p_W,
                                 const SurfacePoint& nearest) noexcept {
-  const ContactMemory *const first = before.list.data(), *const end = first + before.size;
-  const ContactMemory* const at = std::lower_bound(
-      first, end, key, [](const ContactMemory& m, std::uint64_t k) noexcept { return m.key < k; });
-  if (at == end || at->key != key) return nearest;
+  const ContactMemory* const at = memory_of(key, before);
+  if (at == nullptr) return nearest;
   const Vec3 n_S = face_along(box.R_WS(), at->n_W.vec()), n_W = box.R_WS() * n_S;
   return {.distance = n_W.dot(p_W - box.p_W()) - box.half_extents().dot(n_S.cwiseAbs()), .n = n_W};
 }

@@ -14,6 +14,7 @@
 #include "core/contact/find/sphere_pack.h"
 #include "core/math/bit_set.h"
 #include "core/math/merge_sort.h"
+#include "core/tuning.h"
 
 namespace godobject {
 
@@ -39,9 +40,10 @@ struct BroadPhaseScratch {
   std::size_t num_entries = 0;                      // bodies with spheres, all of them finite
 };
 
-/// Returns a word whose bit j is set if sphere j of the pack, enlarged by `more`, reaches into the box.
+/// Returns a word whose bit j is set if sphere j of the pack, enlarged by its reach and `more`, reaches
+/// into the box.
 inline std::uint32_t reaching(const SpherePack& pack, Real more, const Aabb& box) noexcept {
-  const Pack r = pack.r + more;
+  const Pack r = pack.r * (1 + contact_reach) + more;
   const auto along = [&](int c) {
     return (pack.p_W[c] - r <= Pack(box.hi[c])) & (Pack(box.lo[c]) <= pack.p_W[c] + r);
   };

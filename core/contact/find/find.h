@@ -1,6 +1,7 @@
 // Search for contacts: spheres of bodies near each other, near shapes on other bodies, and near the world.
 //
-// Spheres of other bodies touch a body at its shapes, or at its spheres if it has no shapes. Bodies of one
+// Spheres of other bodies touch a body at its shapes, or at its spheres if it has no shapes. Contact points
+// of two spheres or edges lie midway between them, so that the order of bodies does not matter. Bodies of one
 // tree of joints do not touch each other. Bound: that of the broad phase. For each pair of bodies with
 // overlapping boxes, a query for each sphere in the other's box. For each body and surface of the world, a
 // test of nearness per four spheres, and a query for each near one.
@@ -34,12 +35,14 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
                    .d = crossing.d,
                    .p_W = crossing.p_W,
                    .n_W = crossing.n_W};
-    if (!sweeps) return add_near(w, at, infinity, near);
-    const Vec3 v_a = velocity_at(w, a, at.p_W);
-    const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
-    at.d -= before_end * v_n;
-    at.p_W += before_end * v_a;
-    were_separated |= at.d + w.since() * v_n <= reach;
+    if (sweeps) {
+      const Vec3 v_a = velocity_at(w, a, at.p_W);
+      const Real v_n = at.n_W.dot(v_a - velocity_at(w, b, at.p_W));
+      at.d -= before_end * v_n;
+      at.p_W += before_end * v_a;
+      were_separated |= at.d + w.since() * v_n <= reach;
+    }
+    at.p_W += at.d / 2 * at.n_W;  // between the edges, so that the order of the bodies does not matter
     add_near(w, at, infinity, near);
   };
   const auto add_end = [&](bool may_be_sunk) noexcept {
@@ -141,7 +144,7 @@ void find_on_spheres(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::
                 .a = a,
                 .b = b,
                 .d = both - distance,
-                .p_W = sphere_a.p_W - sphere_a.r * n,
+                .p_W = sphere_a.p_W - (sphere_a.r - (both - distance) / 2) * n,
                 .n_W = n},
                least, near);
     }
@@ -171,10 +174,9 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
           find_on_bodies(w, a, b, pair, deep_pairs.find(pair), near);
         else find_on_spheres(w, a, b, pair, near);
       });
-    if (num_fixed > 0)
-      find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, nullptr, near);
-    if constexpr (Contacts::between_bodies)
-      find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, near);
+    if (num_fixed == 0) continue;
+    find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, nullptr, near);
+    find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, near);
   }
   near.put_in_order();
 }

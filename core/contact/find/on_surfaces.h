@@ -2,20 +2,11 @@
 // and boxes.
 #pragma once
 
-#include "core/contact/find/before.h"
 #include "core/contact/find/four_spheres.h"
+#include "core/contact/find/on_faces.h"
 #include "core/contact/find/sweep.h"
 
 namespace godobject {
-
-/// Adds a contact with its opening speed if it is within reach at the predicted end of the stage or at its
-/// start. A load may keep a body from separating as predicted.
-template <class Contacts, std::size_t N>
-void add_near(const ContactFinder<Contacts, N>& w, NearContact at, Real reach,
-              NearContacts<Contacts::max_contacts>& near) noexcept {
-  at.v_n = opening_speed(w, at.a, at.b, at.p_W, at.n_W);
-  if (std::max(at.d, at.d + w.h * at.v_n) > -reach) near.add(at);
-}
 
 /// Finds the contacts of the spheres of body a with the surfaces [first, end) of body b. Spheres of a body
 /// with shapes leave a box of the world through one face if they are deep. leaving_W: direction in which all
@@ -85,7 +76,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         found_all(hits, d, n_W);
         continue;
       }
-      if (Contacts::between_bodies && on_a.has_surfaces() && shape.kind() == ShapeKind::box) {
+      if (on_a.has_surfaces() && shape.kind() == ShapeKind::box) {
         std::uint32_t hits = 0;
         if (leaving_W != nullptr) {
           hits = searched & behind_face(shape, pack, face_along(shape.R_WS(), *leaving_W), d, n_W);
@@ -121,10 +112,16 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
         const Real radius = pack.r[j], reach = contact_reach * radius + travel;
         SurfacePoint surface = nearest(shape.in_world(), lane(pack.p_W, j), radius + reach);
+        const auto found_faces = [&](const SurfacePoint& touched) noexcept {
+          if (!has_faces(shape.kind())) return found(j, radius - touched.distance, touched.n);
+          const NearContact contact{
+              .key = pair | touch_key(s + j, o), .of = spheres + s + j, .on = o, .a = a, .b = b};
+          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, touched, surface, reach, near);
+        };
         if (travel > radius || surface.distance < 0) {
           const SweptContact touch = first_touch(j);
           if (touch.touches) {
-            found(j, touch.depth, touch.n_W);
+            found_faces({.distance = radius - touch.depth, .n = touch.n_W});
             continue;
           }
           if (shape.kind() == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
@@ -132,7 +129,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         }
         const Real depth = radius - surface.distance;
         if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
-        found(j, depth, surface.n);
+        found_faces(surface);
       }
     }
   }

@@ -110,30 +110,36 @@ inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real tra
   return box;
 }
 
-/// Places the surfaces of a body in the world, from number o on. Computes the box round its whole contact
-/// geometry, its entry of the broad phase. Returns the number after them.
+/// Places the surfaces of a body in the world, from number o on. Returns the number after them.
 template <class Contacts, std::size_t N>
 std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
                              ContactFinder<Contacts, N>& w) noexcept {
-  auto& owned = w.owned[i];
+  w.owned[i].first_surface = o;
+  for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o)
+    w.placed[o] = PlacedShape(par.surfaces[o].shape, w.at[i]);
+  return w.owned[i].end_surface = o;
+}
+
+/// Computes the box round the whole contact geometry of a body, its entry of the broad phase. The box is
+/// enlarged by the reach of contacts and the motion in the stage, so that no contact depends on its axes.
+template <class Contacts, std::size_t N>
+void enter_broad_phase(std::uint32_t i, ContactFinder<Contacts, N>& w) noexcept {
+  const auto& owned = w.owned[i];
   Aabb& box = w.broad.boxes[i] =
       box_round(w.packs.data() + owned.first_pack, owned.num_packs(), owned.travel);
-  owned.first_surface = o;
-  for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
-    const PlacedShape& shape = w.placed[o] = PlacedShape(par.surfaces[o].shape, w.at[i]);
-    const Vec3 half = shape.R_WS().cwiseAbs() * half_extents(par.surfaces[o].shape);
+  for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
+    const PlacedShape& shape = w.placed[o];
+    const Vec3 half_S = half_extents(shape.in_world());
+    const Real more = owned.travel + edge_reach * half_S.minCoeff();
+    const Vec3 half = shape.R_WS().cwiseAbs() * half_S + Vec3::Constant(more);
     box.lo = box.lo.cwiseMin(shape.p_W() - half);
     box.hi = box.hi.cwiseMax(shape.p_W() + half);
   }
-  owned.end_surface = o;
   if (!owned.empty() && box.lo.sum() - box.hi.sum() <= 0) w.broad.entries[w.broad.num_entries++].body = i;
-  return o;
 }
 
 /// Returns a bound of the speed of points up to `farthest` from the centre of mass, m/s.
-inline Real speed_bound(const Twist& V, Real farthest) noexcept {
-  return V.v.cwiseAbs().sum() + V.w.cwiseAbs().sum() * farthest;
-}
+inline Real speed_bound(const Twist& V, Real farthest) noexcept { return V.v.norm() + V.w.norm() * farthest; }
 
 /// True if a sphere moves by more than its size at velocities `beyond` the predicted ones.
 template <class Owned>
@@ -160,7 +166,8 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     num_packs += place_spheres(par, s, w.at[i], w.packs.data() + num_packs, owned);
     owned.travel = w.since() * speed_bound(w.at[i].V, owned.farthest);
     w.may_leave_search = w.may_leave_search || is_outside_search(owned, owned.beyond_predicted, w.h);
-    if constexpr (Contacts::between_bodies) o = place_surfaces(par, i, o, w);
+    o = place_surfaces(par, i, o, w);
+    if constexpr (Contacts::between_bodies) enter_broad_phase(i, w);
   }
 }
 

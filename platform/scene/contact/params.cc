@@ -86,8 +86,7 @@ class ContactBuilder {
     for (const MaterialUse& use : materials_of(scene)) to_.materials.push_back(use.material);
     for (const ContactConfig& contact : scene.contacts) add(contact);
     for (const ObstacleConfig& obstacle : scene.obstacles) add(obstacle);
-    const bool between_bodies = contact_scope(scene) == ContactScope::bodies;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) add(scene.bodies[i], i, between_bodies);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) add(scene.bodies[i], i);
   }
   SceneContacts take() { return std::move(to_); }
 
@@ -114,14 +113,13 @@ class ContactBuilder {
     }
   }
 
-  void add(const BodyConfig& body, std::size_t index, bool between_bodies) {
+  void add(const BodyConfig& body, std::size_t index) {
     for (const SphereConfig& row : body.spheres)
       for (int i = 0; i < row.count; ++i)
         to_.spheres.push_back({.body = index,
                                .p_B = row.p_B + i * row.spacing,
                                .radius = row.radius,
                                .material = id_of(row.material)});
-    if (!between_bodies) return;
     for (const ShapeConfig& shape : body.shapes) {
       to_.surfaces.push_back(
           {.body = index, .shape = shape_params(shape), .material = id_of(shape.material)});
@@ -205,9 +203,8 @@ SceneContacts scene_contacts(const SceneConfig& scene) { return ContactBuilder(s
 ContactCounts contact_counts(const SceneConfig& scene) {
   ContactCounts counts;
   for (const ObstacleConfig& obstacle : scene.obstacles) counts.surfaces += num_solids(obstacle);
-  const bool between_bodies = contact_scope(scene) == ContactScope::bodies;
   for (const BodyConfig& body : scene.bodies) {
-    if (between_bodies) counts.surfaces += body.shapes.size();
+    counts.surfaces += body.shapes.size();
     for (const SphereConfig& row : body.spheres) counts.spheres += static_cast<std::size_t>(row.count);
   }
   return counts;

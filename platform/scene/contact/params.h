@@ -39,7 +39,7 @@ class MeshSolid {
 using LawTable = std::array<std::array<ContactLaw, max_materials>, max_materials>;
 
 /// Spheres in the order of their bodies. Surfaces of the world in the order of obstacles, then those of
-/// bodies if bodies can touch each other.
+/// bodies.
 struct SceneContacts {
   std::vector<BodySphere> spheres;
   std::vector<Surface> surfaces;

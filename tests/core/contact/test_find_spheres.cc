@@ -68,7 +68,9 @@ TEST(FindSpheres, FindsWhatAllPairsOneByOneFind) {
         if (a.body == b.body || s->w.owned[a.body].tree == s->w.owned[b.body].tree) continue;
         const Vec3 apart = centre(*s, a) - centre(*s, b);
         const Real d = a.radius + b.radius - apart.norm();
-        const Vec3 n_W = apart.normalized(), p_W = centre(*s, a) - a.radius * n_W;
+        const Vec3 n_W = apart.normalized();
+        // midway between the two surfaces
+        const Vec3 p_W = (centre(*s, a) - a.radius * n_W + centre(*s, b) + b.radius * n_W) / 2;
         const auto velocity = [&](std::size_t body) {
           const TreePlace& at = s->w.at[body];
           return Vec3(at.V.v + at.V.w.cross(p_W - at.p_W));
