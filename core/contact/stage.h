@@ -5,7 +5,7 @@
 //
 //   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;
 //         open, F_0 = eta_n d_0 / h
-//         F_t = -eta_t s,  s = v_t + k_t xi / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
+//         F_t = -eta_t s,  s = v_t + k_t xi_0 / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
 //
 // A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
 // A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set.
