@@ -2,8 +2,9 @@
 #pragma once
 
 #include "core/godobject.h"
+#include "core/setup.h"
 #include "platform/engine/any_device.h"
-#include "platform/engine/row.h"
+#include "platform/engine/engine.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/joint/joints.h"
 
@@ -298,31 +299,6 @@ std::unique_ptr<Engine> make_engine_of(const SceneConfig& scene, std::span<const
   if (validity != Invalid::nothing) return nullptr;
   engine->start(scene, at_start);
   return engine;
-}
-
-template <Scene S>
-CompositionRow row(const std::string& name) {
-  Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
-                .integrator = S::Integrator::name,
-                .max_bodies = S::max_bodies,
-                .joints = prescribes<S>,
-                .contacts = scope_of<S>(),
-                .params_bytes = sizeof(Params<S>),
-                .state_bytes = sizeof(State<S>),
-                .scratch_bytes = sizeof(Scratch<S>),
-                .parts = parts_of<S>()};
-  if constexpr (uses<ContactsOf<S>>) {
-    c.max_spheres = Params<S>{}.contacts.spheres.size();
-    c.max_surfaces = Params<S>{}.contacts.surfaces.size();
-    c.max_contacts = ContactsOf<S>::max_contacts;
-  }
-  if constexpr (uses<NetOf<S>>) {
-    c.max_nodes = S::Net::max_nodes;
-    c.max_springs = S::Net::max_springs;
-    c.max_node_contacts = S::Net::max_contacts;
-    c.max_attachments = S::Net::max_attachments;
-  }
-  return {std::move(c), make_engine_of<S>};
 }
 
 }  // namespace godobject

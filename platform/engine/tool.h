@@ -1,10 +1,48 @@
-// Scene type of every composition: any device, coupling and feedback. Parameters select joints, contacts and
-// the number of bodies.
+// Table of compositions: its row type, the functions that add rows, and the scene type of every row. Each
+// has any device, coupling and feedback; parameters select joints, contacts and the number of bodies.
 #pragma once
 
 #include "platform/engine/of.h"
 
 namespace godobject {
+
+/// One row of the table of compositions.
+struct CompositionRow {
+  Composition composition;
+  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&,
+                                  Validity&);
+};
+
+// One file each, and one line in engine.cc.
+void add_free(std::vector<CompositionRow>& table);
+void add_contacts(std::vector<CompositionRow>& table);
+void add_many(std::vector<CompositionRow>& table);
+
+/// Returns the row of a scene type. name: first part of the composition's name.
+template <Scene S>
+CompositionRow row(const std::string& name) {
+  Composition c{.name = name + "-" + std::to_string(S::max_bodies) + " " + S::Integrator::name,
+                .integrator = S::Integrator::name,
+                .max_bodies = S::max_bodies,
+                .joints = prescribes<S>,
+                .contacts = scope_of<S>(),
+                .params_bytes = sizeof(Params<S>),
+                .state_bytes = sizeof(State<S>),
+                .scratch_bytes = sizeof(Scratch<S>),
+                .parts = parts_of<S>()};
+  if constexpr (uses<ContactsOf<S>>) {
+    c.max_spheres = Params<S>{}.contacts.spheres.size();
+    c.max_surfaces = Params<S>{}.contacts.surfaces.size();
+    c.max_contacts = ContactsOf<S>::max_contacts;
+  }
+  if constexpr (uses<NetOf<S>>) {
+    c.max_nodes = S::Net::max_nodes;
+    c.max_springs = S::Net::max_springs;
+    c.max_node_contacts = S::Net::max_contacts;
+    c.max_attachments = S::Net::max_attachments;
+  }
+  return {std::move(c), make_engine_of<S>};
+}
 
 template <class I, std::size_t N, class Joints_ = None, class Contacts_ = None>
 struct Tool {
