@@ -23,7 +23,7 @@ constexpr bool has_faces(ShapeKind kind) noexcept {
 struct TouchedFace {
   Real distance;    // of the sphere's centre, m
   Vec3 n, q;        // normal, and contact point on the surface
-  Corners corners;  // undefined for the nearest face
+  Corners corners;  // of the nearest face, which is no triangle, its contact point
 
   static bool is_nearer(const TouchedFace& a, const TouchedFace& b) noexcept {
     return a.distance < b.distance;
@@ -109,10 +109,8 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
                 const Vec3& nearest, Real reach, CameBy came_by, TouchedFaces& faces) noexcept {
   std::array<TouchedFace, 4 * max_touched_faces> others;  // some of which are part of nearer ones
   std::size_t num_others = 0;
-  const TouchedFace first{.distance = first_seen.distance,
-                          .n = first_seen.n,
-                          .q = p - first_seen.distance * first_seen.n,
-                          .corners = {}};
+  const Vec3 q = p - first_seen.distance * first_seen.n;
+  const TouchedFace first{.distance = first_seen.distance, .n = first_seen.n, .q = q, .corners = {q, q, q}};
   bool is_edge = false;
   const Real rounding = touching_triangle * p.cwiseAbs().maxCoeff();
   Shape::each_triangle(par, p, reach, [&](const Corners& t, const Vec3& n, auto neighbour_normal) noexcept {
