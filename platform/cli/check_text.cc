@@ -1,4 +1,4 @@
-#include "platform/cli/check_text.h"
+#include "platform/cli/run/options.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "platform/session/simulated_devices.h"
+#include "platform/session/session.h"
 
 namespace godobject {
 

@@ -1,14 +1,19 @@
 // Interface of the devices that a session's bodies follow: a prescribed motion, a rig on its buses, trackers.
-// Each device is one file.
+// Each device is one file, but for the motion itself as the device. It is here with the samples of prescribed
+// joints, which rigs and motions write.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "hal/can/frame.h"
+#include "hal/joint/kinematic_tree.h"
 #include "hal/rig/rig.h"
 #include "platform/engine/engine.h"
 #include "platform/motion/motion.h"
+#include "platform/scene/scene.h"
 
 namespace godobject {
 
@@ -93,6 +98,66 @@ class HandDevice {
   virtual void close(Period&) noexcept {}
   /// Discards the device's state, so that it boots again. Allocates.
   virtual void restart() {}
+};
+
+/// Samples of the prescribed joints of the scene, which follow the device's joints of the same names.
+class PrescribedSamples {
+ public:
+  PrescribedSamples() = default;
+  /// Allocates; the other functions do not. scene: each coordinate of its prescribed joints must be a joint
+  /// of the device's rig.
+  explicit PrescribedSamples(const SceneConfig& scene);
+
+  /// Writes the device's coordinates into the samples of the joints' children. valid: true if the device's
+  /// sample is valid.
+  /// A joint is engaged with its body's handle, or else with the first driven body's.
+  void write(const JointTarget& device, bool valid, std::span<BodySample> samples) const noexcept;
+
+ private:
+  struct Joint {
+    std::size_t body = 0;  // the joint's child
+    bool driven = false;   // true if a handle drives the body
+    std::size_t num_coordinates = 0;
+    std::array<Eigen::Index, 2> device_joints{};
+  };
+
+  std::vector<Joint> joints_;
+  std::optional<std::size_t> first_driven_;
+};
+
+/// A motion as the device: passes targets, wrenches of the hand and switches to the core unchanged.
+class HandedMotion final : public HandDevice {
+ public:
+  /// Allocates; the other functions do not. motion: a motion of this scene, which must outlive this object.
+  HandedMotion(const SceneConfig& scene, const Motion& motion)
+      : motion_(motion),
+        driven_(driven_bodies(scene)),
+        joints_(motion.has_joints() ? PrescribedSamples(scene) : PrescribedSamples()) {}
+
+  void read(Period& period, std::span<BodySample> samples) noexcept override {
+    for (std::size_t i = 0; i < motion_.num_bodies(); ++i) samples[driven_[i]] = sample(i, period.t);
+    write_joints(period.t, samples);
+  }
+
+  /// Writes the prescribed joints' coordinates, if the motion is one of the device's joints.
+  void write_joints(double t, std::span<BodySample> samples) const noexcept {
+    if (motion_.has_joints()) joints_.write(motion_.joints(t), true, samples);
+  }
+
+  /// Returns the sample of the target of this index: see Motion.
+  BodySample sample(std::size_t index, double t) const noexcept {
+    const MotionSwitches switches = motion_.switches(index, t);
+    return {.target = motion_.target(index, t),
+            .F_WB = motion_.wrench(index, t),
+            .engaged = switches.engaged,
+            .clutch = switches.clutch,
+            .joint = {}};
+  }
+
+ private:
+  const Motion& motion_;
+  std::vector<std::size_t> driven_;
+  PrescribedSamples joints_;
 };
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-#include "platform/device/prescribed_samples.h"
+#include "platform/device/hand_device.h"
 
 #include <algorithm>
 

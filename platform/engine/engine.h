@@ -12,7 +12,7 @@
 #include "core/gain_watch.h"
 #include "core/joint/prescribed.h"
 #include "core/net/net.h"
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/net/params.h"
 #include "platform/scene/scene.h"
 

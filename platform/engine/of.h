@@ -3,12 +3,45 @@
 
 #include "core/godobject.h"
 #include "core/setup.h"
-#include "platform/engine/any_device.h"
 #include "platform/engine/engine.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/joint/joints.h"
 
 namespace godobject {
+
+/// Device of scenes that are loaded at run time: any of the core's device kinds, selected by a parameter. A
+/// product with one device names that in its scene type and has no code for the others.
+struct AnyDevice {
+  enum class Kind : std::uint8_t { pose, holding, relative, admittance };
+  struct Params : RampParams {
+    Kind kind = Kind::pose;
+  };
+  using State = HoldingState;
+  using CouplingInput = GripInput;
+  /// Inputs of all kinds; `kind` selects the one that is read.
+  struct Input {
+    PoseDevice::Input pose;  // also of a device that grips bodies
+    RelativeDevice::Input relative;
+    AdmittanceDevice::Input admittance;
+  };
+
+  static CouplingInput coupling_input(const Params& par, const Input& in, const RigidBodyState& body, Real h,
+                                      const State& x, Limited& limited) noexcept {
+    switch (par.kind) {
+      case Kind::pose: break;
+      case Kind::holding: return HoldingDevice::coupling_input(par, in.pose, body, h, x, limited);
+      case Kind::relative: return {RelativeDevice::coupling_input(par, in.relative, body, h, x, limited), {}};
+      case Kind::admittance:
+        return {AdmittanceDevice::coupling_input(par, in.admittance, body, h, x, limited), {}};
+    }
+    return {PoseDevice::coupling_input(par, in.pose, body, h, x, limited), {}};
+  }
+};
+
+/// Checks the inputs of all kinds; unused ones keep their valid defaults.
+inline Fault check(const AnyDevice::Input& in) noexcept {
+  return check(in.pose) | check(in.relative) | check(in.admittance);
+}
 
 /// Returns the change of pose of a relative device since `before`.
 inline RelativeDevice::Input increment(const BodySample& sample, const Target& before) noexcept {
@@ -252,42 +285,6 @@ class EngineOf final : public Engine {
   std::uint64_t tick_ = 0;
   std::array<Target, S::max_bodies> before_;  // previous valid target, for increments
 };
-
-template <Scene S>
-std::vector<PartBytes> parts_of() {
-  using Joints = typename S::Joints;
-  using Memory = typename S::Integrator::Memory;
-  constexpr std::size_t N = S::max_bodies;
-  std::vector<PartBytes> parts;
-  const auto add = [&](const char* name, std::size_t params, std::size_t state, std::size_t scratch) {
-    parts.push_back({name, N * params, N * state, scratch});
-  };
-  using W = Scratch<S>;
-  constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
-  constexpr std::size_t targets = sizeof(W::coupling_inputs) + sizeof(W::inside);
-  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage);
-  if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
-  add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);
-  if constexpr (uses<Joints>) {
-    add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
-    if constexpr (prescribes<S>) {
-      add("joint stops", sizeof(typename Joints::Stops::Params), 0, 0);
-      add("imposed joints",
-          sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
-          sizeof(typename Joints::State), sizeof(W::prescribed));
-    }
-  }
-  add("coupling", sizeof(typename S::Coupling::Params), sizeof(typename S::Coupling::State), 0);
-  add("feedback", sizeof(typename S::Feedback::Params), sizeof(typename S::Feedback::State), 0);
-  std::size_t net_scratch = 0;
-  if constexpr (uses<NetOf<S>>) net_scratch = sizeof(W::contacts.net);
-  if constexpr (uses<ContactsOf<S>>)
-    parts.push_back({"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts),
-                     sizeof(W::contacts) - net_scratch});
-  if constexpr (uses<NetOf<S>>)
-    parts.push_back({"nets", sizeof(Params<S>::net), sizeof(State<S>::net), sizeof(W::net) + net_scratch});
-  return parts;
-}
 
 /// Makes and starts an engine. Returns null, with the violated rule in `validity`, if the core rejects the
 /// scene's parameters.

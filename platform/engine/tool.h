@@ -18,6 +18,43 @@ void add_free(std::vector<CompositionRow>& table);
 void add_contacts(std::vector<CompositionRow>& table);
 void add_many(std::vector<CompositionRow>& table);
 
+/// Returns the bytes of each part of a composition.
+template <Scene S>
+std::vector<PartBytes> parts_of() {
+  using Joints = typename S::Joints;
+  using Memory = typename S::Integrator::Memory;
+  constexpr std::size_t N = S::max_bodies;
+  std::vector<PartBytes> parts;
+  const auto add = [&](const char* name, std::size_t params, std::size_t state, std::size_t scratch) {
+    parts.push_back({name, N * params, N * state, scratch});
+  };
+  using W = Scratch<S>;
+  constexpr std::size_t stage = sizeof(W::next) + sizeof(W::bases) + sizeof(W::velocities);
+  constexpr std::size_t targets = sizeof(W::coupling_inputs) + sizeof(W::inside);
+  add("bodies", sizeof(RigidBodyParams), sizeof(RigidBodyState), stage);
+  if constexpr (!std::is_empty_v<Memory>) add("integrator", 0, sizeof(Memory), 0);
+  add("device", sizeof(AnyDevice::Params), sizeof(AnyDevice::State), targets);
+  if constexpr (uses<Joints>) {
+    add("joints", sizeof(typename TreeJoints<>::Params), 0, sizeof(W::tree));
+    if constexpr (prescribes<S>) {
+      add("joint stops", sizeof(typename Joints::Stops::Params), 0, 0);
+      add("imposed joints",
+          sizeof(typename Joints::Params) - sizeof(typename TreeJoints<typename Joints::Stops>::Params),
+          sizeof(typename Joints::State), sizeof(W::prescribed));
+    }
+  }
+  add("coupling", sizeof(typename S::Coupling::Params), sizeof(typename S::Coupling::State), 0);
+  add("feedback", sizeof(typename S::Feedback::Params), sizeof(typename S::Feedback::State), 0);
+  std::size_t net_scratch = 0;
+  if constexpr (uses<NetOf<S>>) net_scratch = sizeof(W::contacts.net);
+  if constexpr (uses<ContactsOf<S>>)
+    parts.push_back({"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts),
+                     sizeof(W::contacts) - net_scratch});
+  if constexpr (uses<NetOf<S>>)
+    parts.push_back({"nets", sizeof(Params<S>::net), sizeof(State<S>::net), sizeof(W::net) + net_scratch});
+  return parts;
+}
+
 /// Returns the row of a scene type. name: first part of the composition's name.
 template <Scene S>
 CompositionRow row(const std::string& name) {

@@ -14,7 +14,7 @@
 #include "hal/tracker/link.h"
 #include "platform/device/spacemouse.h"
 #include "platform/linux/serial_port.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/ring.h"
 
 namespace godobject {

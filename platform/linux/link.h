@@ -11,8 +11,7 @@
 #include "hal/can/transmit_slots.h"
 #include "hal/rig/link.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/rt/clock.h"
-#include "platform/rt/histogram.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 

@@ -22,7 +22,7 @@
 #include <system_error>
 #include <utility>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {

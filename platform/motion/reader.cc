@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "platform/motion/motion.h"
-#include "platform/scene/keys/hold.h"
+#include "platform/scene/keys/hand.h"
 #include "platform/scene/text/toml_reader.h"
 
 namespace godobject {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "platform/device/phases.h"
-#include "platform/rig/bring_up.h"
 #include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/setup.h"

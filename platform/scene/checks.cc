@@ -8,7 +8,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/keys/joint.h"
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "hal/rig/profile_validate.h"
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/keys/fault.h"
 #include "platform/scene/keys/profile.h"
 #include "platform/scene/keys/scene.h"

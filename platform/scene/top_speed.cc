@@ -36,7 +36,6 @@
 #include <limits>
 
 #include "core/contact/candidates.h"
-#include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
 
 namespace godobject {

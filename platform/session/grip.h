@@ -1,15 +1,21 @@
-// Grip of a device that can hold one body at a time: selects the held body and computes the displayed wrench.
+// Wrenches on the hand: of the body that a device holds, if it can hold one at a time, and a watch for their
+// oscillation.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
 #include "core/device/held_feedback.h"
+#include "hal/rig/swing_watch.h"
 #include "platform/engine/engine.h"
 #include "platform/motion/motion.h"
+#include "platform/scene/scene.h"
 
 namespace godobject {
 
+/// Grip of a device that can hold one body at a time: selects the held body and computes the displayed
+/// wrench.
 class Grip {
  public:
   /// Allocates; the other functions do not. scene: must fulfil grips_bodies(scene).
@@ -47,6 +53,30 @@ class Grip {
   HoldWish wish_;
   bool button_ = false;
   std::optional<std::size_t> body_;
+};
+
+/// Watches the displayed wrenches for oscillation between their bounds. DriveSwings (platform/device/rig.h)
+/// watches the motors' commands.
+class WrenchSwings {
+ public:
+  /// Allocates; the other functions do not. num_wrenches: number of displayed wrenches.
+  WrenchSwings(const SceneConfig& scene, std::size_t num_wrenches);
+
+  /// Updates with the wrench of this index in this step. Returns true if it oscillates.
+  bool shows(std::size_t index, const Wrench& F) noexcept;
+  void reset() noexcept;
+
+ private:
+  /// State of one force or torque.
+  struct Shown {
+    double bound, largest_change;  // bounds of the magnitude, and of its change in a step
+    std::array<SwingWatch, 3> watches;
+    Vec3 last = Vec3::Zero();
+
+    bool shows(const Vec3& value) noexcept;
+  };
+
+  std::vector<Shown> shown_;  // force, torque of each wrench
 };
 
 }  // namespace godobject

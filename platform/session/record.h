@@ -1,8 +1,10 @@
-// Record of one period of a run, for traces, statistics and the status line.
+// Record of one period of a run, for traces, statistics and the status line. Joint coordinates and the errors
+// against an ideal device are computed for it.
 #pragma once
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "hal/rig/rig.h"
@@ -73,6 +75,54 @@ struct CycleRecord {
   std::vector<double> device_q;  // coordinates of the device's joints; NaN while unknown
   // commanded torque, N m, or force, N, at the joint, one per RigParams::drives
   std::vector<double> drive_torque;
+};
+
+/// Coordinates of a scene's joints, computed from the poses of its bodies.
+class JointCoordinatesOf {
+ public:
+  explicit JointCoordinatesOf(const SceneConfig& scene);
+
+  /// Number of coordinates of all joints: see num_coordinates().
+  std::size_t size() const noexcept { return size_; }
+  /// Writes the coordinates of all joints. Angles are unwrapped: within half a turn of the previous ones.
+  /// Real-time.
+  /// bodies: all bodies of the scene. q: size() numbers; on entry the previous coordinates.
+  void read(std::span<const BodyView> bodies, std::span<double> q) const noexcept;
+
+ private:
+  struct Joint {
+    JointParams params;
+    std::size_t child = 0;
+  };
+  std::vector<Joint> joints_;
+  std::size_t size_ = 0;
+};
+
+/// Bodies that follow the device in a period.
+struct Followed {
+  std::span<const std::size_t> bodies;
+  std::span<const BodySample> samples;  // one for each body of the scene, as passed to the core
+  bool by_an_offset = false;  // true if handle and target differ by an offset; the error of a body is then
+                              // against its target
+};
+
+/// Interface to the exact state of a simulated device: true pose of the handle, and errors against an ideal
+/// device. Observes beside the session, and does not influence the bodies.
+class Truth {
+ public:
+  virtual ~Truth() = default;
+
+  /// Starts with the scene and the samples of the session. Allocates.
+  virtual void start(const SceneConfig& scene, std::span<const BodySample> samples) = 0;
+  /// Advances to t before the session's record is written. Real-time.
+  /// t: time of the motion, s. samples: as in the engine's step to t.
+  virtual void step(double t, std::span<const BodySample> samples) noexcept = 0;
+  /// Writes the errors of the record that are measured against the true handle. Real-time.
+  virtual void measure(const Followed& followed, CycleRecord& record) const noexcept = 0;
+  /// False if the motion left the workspace of the simulated device.
+  virtual bool reachable() const noexcept = 0;
+  /// Mean load of each bus so far, percent.
+  virtual std::vector<double> bus_load_percent() const = 0;
 };
 
 }  // namespace godobject

@@ -10,16 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "platform/device/handed_motion.h"
+#include "hal/canopen/node_profile.h"
+#include "platform/device/hand_device.h"
 #include "platform/device/phases.h"
 #include "platform/device/rig.h"
 #include "platform/device/trackers.h"
 #include "platform/engine/engine.h"
+#include "platform/scene/toml.h"
 #include "platform/session/grip.h"
-#include "platform/session/joint_coordinates.h"
 #include "platform/session/record.h"
-#include "platform/session/truth.h"
-#include "platform/session/wrench_swings.h"
 
 namespace godobject {
 
@@ -180,6 +179,18 @@ class Session {
   Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
   Nanoseconds motion_start_ns_ = 0;
   std::uint64_t cycle_ = 0;
+};
+
+/// Interface to a simulation of the scene's device. Code that runs scenes links no simulation; a program that
+/// links one passes this. platform/simulated/session.h implements it. Default: no simulator; runs then use
+/// real devices or none.
+struct SimulatedDevices {
+  FaultChecks faults{};
+  /// Makes a session on the simulated device of the scene. profiles: profiles of the simulated nodes.
+  Session::Made (*make_session)(SceneConfig scene, Motion motion, const RigProfiles& profiles) = nullptr;
+  /// Makes the scene's tracker with a simulated far end at rest, for checks. Returns null with errors.
+  std::unique_ptr<TrackerLink> (*make_resting_tracker)(const TrackerParams& params,
+                                                       std::vector<std::string>& errors) = nullptr;
 };
 
 }  // namespace godobject

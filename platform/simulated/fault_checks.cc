@@ -1,4 +1,4 @@
-#include "platform/simulated/fault_checks.h"
+#include "platform/simulated/session.h"
 
 #include "sim/fault/target.h"
 

@@ -1,6 +1,5 @@
 #include "platform/trace/trace.h"
 
-#include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/joint/joints.h"
 

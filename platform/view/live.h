@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/view/drawing.h"
 #include "platform/view/frame.h"
 #include "platform/view/pointer.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "platform/device/hand_device.h"
-#include "platform/device/prescribed_samples.h"
 #include "platform/device/streamed_target.h"
 #include "platform/rt/ring.h"
 #include "platform/view/frame.h"

@@ -95,7 +95,7 @@ def check_rules():
     path = pathlib.PurePath
     for folder, header in [("core", "vector"), ("core", "hal/can/bus.h"), ("hal", "platform/motion/motion.h"),
                            ("hal", "thread"), ("hal", "unistd.h"), ("hal", "sim/hand.h"),
-                           ("sim", "platform/rt/clock.h"), ("sim", "tests/oracle/case/case.h"),
+                           ("sim", "platform/rt/cyclic.h"), ("sim", "tests/oracle/case/case.h"),
                            ("platform", "tests/study/study.h"), ("platform/session", "sim/rig/rig.h"),
                            ("platform/cli", "sim/rig/rig.h"), ("platform/session", "platform/simulated/session.h"),
                            ("platform/cli", "platform/cli/simulate/simulation.h")]:

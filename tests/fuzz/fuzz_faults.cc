@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "platform/scene/toml.h"
-#include "platform/simulated/fault_checks.h"
+#include "platform/simulated/session.h"
 #include "tests/fuzz/decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

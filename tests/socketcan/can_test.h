@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "platform/linux/bus/socket_can.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject::test {
 

@@ -12,7 +12,7 @@
 
 #include "hal/canopen/canopen.h"
 #include "platform/linux/bus/slcan.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "tests/support/program.h"
 
 namespace godobject::test {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/simulated/session.h"
 #include "sim/rig/rig.h"
 #include "tests/support/cable.h"

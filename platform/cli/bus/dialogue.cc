@@ -6,8 +6,8 @@
 
 #include "hal/canopen/sdo/sequence.h"
 #include "platform/cli/command_line.h"
-#include "platform/rig/bring_up.h"
-#include "platform/rt/clock.h"
+#include "platform/rig/buses.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 

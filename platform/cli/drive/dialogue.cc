@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 

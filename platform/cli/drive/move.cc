@@ -10,7 +10,7 @@
 
 #include "hal/drive/cia402_text.h"
 #include "platform/rt/background_file.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 

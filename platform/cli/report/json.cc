@@ -3,7 +3,7 @@
 
 #include "platform/cli/report/report.h"
 #include "platform/rt/setup.h"
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/joint/joints.h"
 
 namespace godobject {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "platform/cli/fault_texts.h"
-#include "platform/rt/histogram.h"
+#include "platform/rt/cyclic.h"
 #include "platform/session/limits.h"
 #include "platform/session/session.h"
 

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "platform/cli/report/console.h"
-#include "platform/rig/bring_up.h"
-#include "platform/rt/clock.h"
+#include "platform/rig/buses.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {

@@ -13,7 +13,7 @@
 #include "platform/cli/report/console.h"
 #include "platform/cli/report/files.h"
 #include "platform/cli/report/statistics.h"
-#include "platform/rig/bring_up.h"
+#include "platform/rig/buses.h"
 #include "platform/rig/log_link.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/ring.h"

@@ -8,9 +8,8 @@
 #include "platform/cli/run/devices.h"
 #include "platform/linux/bus/replay.h"
 #include "platform/linux/device_threads.h"
-#include "platform/rig/bring_up.h"
 #include "platform/rig/buses.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/scene/text/key.h"
 #include "platform/scene/toml.h"
 

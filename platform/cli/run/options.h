@@ -9,6 +9,7 @@
 
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/bus_load.h"
+#include "hal/rig/params.h"
 #include "platform/cli/report/files.h"
 #include "platform/cli/run/devices.h"
 #include "platform/cli/run/loop.h"
@@ -16,7 +17,6 @@
 #include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
 #include "platform/session/session.h"
-#include "platform/session/simulated_devices.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {
@@ -96,5 +96,14 @@ void check_start(const Session& session, const std::string& file, std::vector<st
 /// duration: duration of the run, s.
 void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,
                  std::vector<std::string>& warnings);
+
+// Texts of `check` about a valid scene.
+
+/// Returns scene, device, load of the buses and bounds as lines.
+std::vector<std::string> check_lines(const RunOptions& options, const PreparedRun& prepared);
+
+/// Returns a head and one line for each drive; empty for a rig without drives. cycle_s: step of the scene, s.
+std::vector<std::string> time_to_zero_lines(const RigParams& rig, double cycle_s,
+                                            const RigProfiles& profiles);
 
 }  // namespace godobject

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 namespace {

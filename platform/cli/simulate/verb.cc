@@ -22,11 +22,10 @@
 #include "platform/cli/simulate/simulation.h"
 #include "platform/linux/bus/bus.h"
 #include "platform/rt/background_file.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/setup.h"
 #include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
-#include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
 
 namespace godobject {

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/rig/validate.h"
-#include "platform/cli/check_text.h"
 #include "platform/cli/program.h"
 #include "platform/cli/run/options.h"
 #include "platform/rig/buses.h"

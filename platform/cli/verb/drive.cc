@@ -8,7 +8,7 @@
 #include "hal/drive/cia402_text.h"
 #include "platform/cli/command_line.h"
 #include "platform/cli/drive/drive.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {

@@ -7,7 +7,7 @@
 #include "hal/canopen/sdo/sdo.h"
 #include "platform/cli/bus/dialogue.h"
 #include "platform/cli/command_line.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 namespace {

@@ -12,7 +12,7 @@
 #include "platform/cli/command_line.h"
 #include "platform/cli/program.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 

@@ -15,7 +15,7 @@
 #include "platform/cli/run/options.h"
 #include "platform/cli/verb/view.h"
 #include "platform/rt/background_file.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {

@@ -1,5 +1,5 @@
 // godobject sdo: reads or writes one object of one CANopen node.
-#include "platform/cli/verb/sdo.h"
+#include "platform/cli/bus/dialogue.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,6 @@
 
 #include "hal/canopen/sdo/client.h"
 #include "hal/canopen/sdo/sequence.h"
-#include "platform/cli/bus/dialogue.h"
 #include "platform/cli/command_line.h"
 
 namespace godobject {

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "hal/can/candump.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 namespace {

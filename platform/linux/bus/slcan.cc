@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 namespace {

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "platform/linux/serial_port.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 
 namespace godobject {
 

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {

@@ -1,4 +1,4 @@
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 
 #include <algorithm>
 #include <numeric>

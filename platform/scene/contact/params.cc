@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "platform/scene/contact/pairs.h"
-
 namespace godobject {
 namespace {
 

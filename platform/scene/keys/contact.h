@@ -7,7 +7,7 @@
 
 #include "core/contact/contact.h"
 #include "platform/scene/checks.h"
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/mesh/file.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/key.h"

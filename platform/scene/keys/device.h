@@ -7,9 +7,7 @@
 #include "hal/drive/link.h"
 #include "hal/joint/kinematic_tree.h"
 #include "platform/scene/joint/joints.h"
-#include "platform/scene/keys/hold.h"
-#include "platform/scene/keys/spacemouse.h"
-#include "platform/scene/keys/tracker.h"
+#include "platform/scene/keys/hand.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/key.h"
 

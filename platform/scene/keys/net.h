@@ -7,7 +7,6 @@
 #include "platform/scene/keys/contact.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/net/params.h"
-#include "platform/scene/net/surface.h"
 
 namespace godobject {
 

@@ -11,7 +11,7 @@
 #include "platform/scene/keys/contact.h"
 #include "platform/scene/keys/device.h"
 #include "platform/scene/keys/fault.h"
-#include "platform/scene/keys/hold.h"
+#include "platform/scene/keys/hand.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
 #include "platform/scene/scene.h"

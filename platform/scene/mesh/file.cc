@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "platform/scene/contact/params.h"
-#include "platform/scene/mesh/builder.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/text/diagnostics.h"
 

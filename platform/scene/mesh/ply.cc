@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "platform/scene/mesh/builder.h"
+#include "platform/scene/mesh/file.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {

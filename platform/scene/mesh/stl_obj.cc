@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "platform/scene/mesh/builder.h"
+#include "platform/scene/mesh/file.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {

@@ -6,9 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/mesh/file.h"
-#include "platform/scene/net/surface.h"
 #include "platform/scene/text/key.h"
 
 namespace godobject {

@@ -1,4 +1,4 @@
-#include "platform/scene/net/surface.h"
+#include "platform/scene/net/params.h"
 
 #include <algorithm>
 #include <cmath>

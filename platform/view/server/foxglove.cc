@@ -1,4 +1,4 @@
-#include "platform/view/server/foxglove.h"
+#include "platform/view/server/server.h"
 
 #include <algorithm>
 #include <cstring>

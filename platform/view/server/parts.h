@@ -17,7 +17,6 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
-#include "platform/view/server/foxglove.h"
 #include "platform/view/server/server.h"
 
 namespace godobject::server {

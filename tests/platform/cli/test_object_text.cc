@@ -1,4 +1,4 @@
-#include "platform/cli/verb/sdo.h"
+#include "platform/cli/bus/dialogue.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "platform/device/tracked_poses.h"
+#include "platform/device/trackers.h"
 
 #include <gtest/gtest.h>
 

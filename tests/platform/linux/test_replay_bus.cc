@@ -4,7 +4,7 @@
 #include <poll.h>
 
 #include "platform/linux/bus/replay.h"
-#include "platform/rt/clock.h"
+#include "platform/rt/cyclic.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"
 #include "tests/support/shared_data.h"

@@ -6,8 +6,6 @@
 
 #include <vector>
 
-#include "platform/rt/clock.h"
-
 namespace godobject::test_cyclic {
 namespace {
 

@@ -1,5 +1,5 @@
 // The histogram's bins and percentiles.
-#include "platform/rt/histogram.h"
+#include "platform/rt/cyclic.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "platform/rig/bring_up.h"
+#include "platform/rig/buses.h"
 #include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 

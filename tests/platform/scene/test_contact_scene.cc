@@ -4,7 +4,6 @@
 
 #include <fstream>
 
-#include "platform/scene/contact/pairs.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/toml.h"
 

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "platform/scene/contact/pairs.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/net/params.h"
-#include "platform/scene/net/surface.h"
 #include "platform/scene/toml.h"
 
 namespace godobject::test_net_keys {

@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "platform/scene/net/params.h"
-#include "platform/scene/net/surface.h"
 
 namespace godobject::test_net_params {
 namespace {

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "platform/scene/net/params.h"
-#include "platform/scene/net/surface.h"
 
 namespace godobject::test_net_surface {
 namespace {

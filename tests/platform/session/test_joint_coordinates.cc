@@ -1,5 +1,5 @@
 // Coordinates of joints from the poses of bodies: every kind, rotated by many turns.
-#include "platform/session/joint_coordinates.h"
+#include "platform/session/record.h"
 
 #include <gtest/gtest.h>
 

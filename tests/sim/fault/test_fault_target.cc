@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "platform/scene/toml.h"
-#include "platform/simulated/fault_checks.h"
 #include "platform/simulated/session.h"
 #include "tests/support/faulty_rig.h"
 

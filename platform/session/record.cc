@@ -1,4 +1,4 @@
-#include "platform/session/joint_coordinates.h"
+#include "platform/session/record.h"
 
 #include <cmath>
 
