@@ -43,8 +43,8 @@ template <class T>
 AnchorsOf<T> anchored(const ContactPlacesOf<T>& at, const Vector3<T>& c_W, const Vector3<T>& n_W,
                       const Vector3<T>& xi_W, const Vector3<T>& apart_W) noexcept {
   const Matrix3<T> to_a = at.R_a.transpose(), to_b = at.R_b.transpose();
-  return {.c_a = to_a * (c_W + apart_W - at.p_a),
-          .c_b = to_b * (c_W - at.p_b),
+  return {.c_a = to_a * (c_W + apart_W * T(0.5) - at.p_a),
+          .c_b = to_b * (c_W - apart_W * T(0.5) - at.p_b),
           .n_a = to_a * n_W,
           .n_b = to_b * n_W,
           .xi_a = to_a * xi_W,
