@@ -71,12 +71,12 @@ std::string counts(const JointCostRow* row) {
 void write_kinds(std::ostream& out, const std::vector<JointCostRow>& kinds) {
   const std::string euler = std::string("pose-joints-2 ") + ImplicitEuler::name,
                     second = std::string("pose-joints-2 ") + TrBdf2::name;
-  out << "Instructions of a step of two coupled bodies with one joint between them:\n\n| joint | "
-      << ImplicitEuler::name << " | " << TrBdf2::name << " |\n|---|---|---|\n";
+  out << "Instructions of a step of two coupled bodies with one joint between them, " << ImplicitEuler::name
+      << " and " << TrBdf2::name << ":\n\n";
   for (const JointCostRow& r : kinds) {
     if (r.composition != euler) continue;
-    out << "| " << r.motion.substr(5) << " | " << counts(&r) << " | " << counts(find(kinds, second, r.motion))
-        << " |\n";
+    out << "- " << r.motion.substr(5) << ": " << counts(&r) << ", " << counts(find(kinds, second, r.motion))
+        << '\n';
   }
   out << '\n';
 }

@@ -168,8 +168,8 @@ void write_stability(std::ostream& out, const StudyResults& results) {
     out << '\n';
   }
   out << R"(
-Cells of a map over coupling stiffness, step, damping ratio and inertia ratio, by class. Black line: the theoretical limit
-of the explicit scheme.
+Cells over coupling stiffness, step, damping ratio and inertia ratio. Black line: the theoretical limit of the explicit
+scheme.
 
 )";
   for (const std::string scheme : stability_schemes) write_gains(out, results.stability, scheme);
@@ -179,12 +179,10 @@ of the explicit scheme.
   out << R"(The explicit scheme's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z) with z half the damping
 ratio, and found by bisection:
 
-| damping ratio | theory | measured |
-|---|---|---|
 )";
   for (const ExplicitLimit& l : results.explicit_limits)
-    out << "| " << number(l.damping) << " | " << number(explicit_limit(l.damping), 4) << " | "
-        << number(l.measured, 4) << " |\n";
+    out << "- ratio " << number(l.damping) << ": " << number(explicit_limit(l.damping), 4) << ", "
+        << number(l.measured, 4) << '\n';
   out << '\n';
 }
 
