@@ -58,9 +58,9 @@ const JointCostRow* find(const std::vector<JointCostRow>& rows, const std::strin
 }
 
 void write_parts(std::ostream& out, const std::vector<PartBytes>& parts) {
-  out << "Bytes of a body, more than without:\n\n| part | params | state | scratch |\n|---|---|---|---|\n";
+  out << "Bytes of a body, more than without, of params, state and scratch:\n\n";
   for (const PartBytes& p : parts)
-    out << "| " << p.part << " | " << p.params << " | " << p.state << " | " << p.scratch << " |\n";
+    out << "- " << p.part << ": " << p.params << ", " << p.state << ", " << p.scratch << '\n';
   out << '\n';
 }
 
