@@ -65,9 +65,8 @@ void write_errors(std::ostream& out, const ContactErrors& errors) {
 }
 
 void write_gains(std::ostream& out, const std::vector<ContactStability>& rows) {
-  out << "Over contact stiffness, damping and step; energy beyond the first and the work of the hand:\n\n"
-         "| integrator | cells | failed | gain above "
-      << number(max_contact_gain) << " J | largest gain, J |\n|---|---|---|---|---|\n";
+  out << "Over contact stiffness, damping and step: cells, failed ones, those that gain above "
+      << number(max_contact_gain) << " J\nbeyond the work of the hand, the largest gain in J:\n\n";
   for (const std::string integrator : {ImplicitEuler::name, TrBdf2::name}) {
     std::size_t cells = 0, failed = 0, gaining = 0;
     double gain = 0;
@@ -79,8 +78,8 @@ void write_gains(std::ostream& out, const std::vector<ContactStability>& rows) {
       gaining += r.gain > max_contact_gain ? 1 : 0;
       gain = std::max(gain, r.gain);
     }
-    out << "| " << integrator << " | " << cells << " | " << failed << " | " << gaining << " | "
-        << number(gain, 2) << " |\n";
+    out << "- " << integrator << ": " << cells << ", " << failed << ", " << gaining << ", " << number(gain, 2)
+        << '\n';
   }
   out << "\n![stability of contacts](figures/contact-stability.png)\n\n";
 }

@@ -58,9 +58,9 @@ const JointCostRow* find(const std::vector<JointCostRow>& rows, const std::strin
 }
 
 void write_parts(std::ostream& out, const std::vector<PartBytes>& parts) {
-  out << "Bytes of a body, more than without:\n\n| part | params | state | scratch |\n|---|---|---|---|\n";
+  out << "Bytes of a body, more than without, of params, state and scratch:\n\n";
   for (const PartBytes& p : parts)
-    out << "| " << p.part << " | " << p.params << " | " << p.state << " | " << p.scratch << " |\n";
+    out << "- " << p.part << ": " << p.params << ", " << p.state << ", " << p.scratch << '\n';
   out << '\n';
 }
 
@@ -71,12 +71,12 @@ std::string counts(const JointCostRow* row) {
 void write_kinds(std::ostream& out, const std::vector<JointCostRow>& kinds) {
   const std::string euler = std::string("pose-joints-2 ") + ImplicitEuler::name,
                     second = std::string("pose-joints-2 ") + TrBdf2::name;
-  out << "Instructions of a step of two coupled bodies with one joint between them:\n\n| joint | "
-      << ImplicitEuler::name << " | " << TrBdf2::name << " |\n|---|---|---|\n";
+  out << "Instructions of a step of two coupled bodies with one joint between them, " << ImplicitEuler::name
+      << " and " << TrBdf2::name << ":\n\n";
   for (const JointCostRow& r : kinds) {
     if (r.composition != euler) continue;
-    out << "| " << r.motion.substr(5) << " | " << counts(&r) << " | " << counts(find(kinds, second, r.motion))
-        << " |\n";
+    out << "- " << r.motion.substr(5) << ": " << counts(&r) << ", " << counts(find(kinds, second, r.motion))
+        << '\n';
   }
   out << '\n';
 }

@@ -25,10 +25,10 @@ void write_question(std::ostream& out, const StudyOptions& options) {
 
 constexpr const char* error_method = R"(## How
 
-**Error.** The reference is the [oracle](oracle.md). Errors are the largest over all multiples of 4 ms, of the worst
-body: distance of the centres of mass, angle between the attitudes. On S1 and S3 they count from 0.5 s on. The device's
-sample is the exact target at the end of each step. Time is the median over stretches of up to 1000 steps of the smallest
-composition. Instructions are those of S1 (articulated tools: S3, or S5 with eight links).
+**Error.** Against the [oracle](oracle.md), the largest over all multiples of 4 ms, of the worst body: distance of the
+centres of mass, angle between the attitudes; on S1 and S3 from 0.5 s on. The device's sample is the exact target at the
+end of each step. Time is the median over up to 1000 steps of the smallest composition. Instructions are those of S1
+(articulated tools: S3, or S5 with eight links).
 
 Drawn at random, 0.252 s each, against tr-bdf2 at 1/64 ms: released, a rod of 10 to 40 cm and 20 g to 1 kg, up to 10 cm
 and 2.5 rad from its target; led, the same with a target that swings at up to 2 Hz; chain, S5 of 2 to 5 links, the last
@@ -42,12 +42,12 @@ with k_r = k (0.1 m)^2, g = ratio sqrt(m k), g_r = ratio sqrt(I k_r) starts at r
 target. It runs for one period of the undamped spring, at least 1000 steps. The first of these that is true:
 
 - *failed*: a fault, or more than 1e6 times the first energy;
-- *energy-gaining*: the energy of tool and spring rises between any two steps by more than 1e-9 of the first energy;
-- *dissipative*: in translation, at some time within the first period, more than 10 % of the first energy is gone that
-  the exact solution still has;
+- *energy-gaining*: the energy rises between any two steps by more than 1e-9 of the first;
+- *dissipative*: in translation within the first period, more than 10 % of the first energy is gone that the exact
+  solution still has;
 - *stable*: none of these.
 
-The explicit scheme, of the study only, is semi-implicit Euler with the spring's force taken at the start of the step.
+The explicit scheme is semi-implicit Euler with the spring's force at the start of the step.
 
 )";
 
@@ -61,23 +61,22 @@ counted by callgrind: 1000 steps less 500 steps of S1 at 1 ms, over 500.
 
 constexpr const char* joints_method =
     R"(**Joints.** Drift is the worst e_v (m) and e_w (rad) of any joint (core/joint/joint.h) after any step. In the map all
-stiffnesses of S3 rise together, damping ratios stay. A run has failed at a fault, a joint apart by more than 0.1 m or
-1 rad, or a tool with more than 100 times the largest kinetic energy of its device. Schemes that need the start of the
-stage exist for implicit Euler only.
+stiffnesses of S3 rise together. A run has failed at a fault, a joint apart by more than 0.1 m or 1 rad, or a tool with
+more than 100 times the largest kinetic energy of its device.
 
 )";
 static_assert(max_apart == 0.1 && max_apart_angle == 1 && max_energy_ratio_of_device == 100, "quoted above");
 
 constexpr const char* contacts_method =
-    R"(**Contacts.** press and bounce are compared with the reference solutions of their cases at multiples of 2 ms. Errors
-depend on the time of an impact within a step, so only orders over all steps are meaningful. A bounce's error is the
-larger share of its height and its time.
+    R"(**Contacts.** press and bounce: against the solutions of their cases at multiples of 2 ms. Errors depend on the time of
+an impact within a step, so only orders over all steps are meaningful. A bounce's error is the larger share of its
+height and its time.
 
 The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, and pressed into it by a coupling and dragged;
 0.6 s, at most 2000 steps; damping over critical, 2 sqrt(m k). The gain omits the energy in contact springs.
 
-lego: energy is that of the bricks that are never held; one that leaves the board or is faster than 1 m/s is ejected. The
-residual is the deviation of the worst force from its law or balance.
+lego: energy is of bricks never held; one that leaves the board or is faster than 1 m/s is ejected. The residual is the
+worst force's deviation from its law or balance.
 
 Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
 
@@ -85,8 +84,8 @@ Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
 static_assert(ejected_speed == 1, "quoted above");
 
 constexpr const char* extremes_method =
-    R"(**Extremes.** A cell is the worst of its cases, each drawn with a seed that the CSV files name (tests/study/extreme).
-Energy is that of bodies, springs and gravity; of nets, also of contacts, less the work done from outside
+    R"(**Extremes.** A cell is the worst of its cases, drawn with seeds that the CSV files name (tests/study/extreme).
+Energy is that of bodies, springs and gravity; of nets, also of contacts, less work from outside
 (core/energy_balance.h), gained beyond 1 % of what is at work. A fault, or a joint 1 mm apart, counts as infinite.
 
 )";

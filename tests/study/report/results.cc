@@ -158,20 +158,19 @@ void write_gains(std::ostream& out, const std::vector<StabilityResult>& results,
 
 void write_stability(std::ostream& out, const StudyResults& results) {
   out << "### 2. Stability\n\n"
-         "| scheme | stable | dissipative | energy-gaining | failed |\n"
-         "|---|---|---|---|---|\n";
+         "Cells that are stable, dissipative, energy-gaining, failed, over coupling stiffness, step, "
+         "damping\nratio and inertia ratio:\n\n";
   for (const std::string scheme : stability_schemes) {
-    out << "| " << scheme << " |";
+    out << "- " << scheme;
+    const char* separator = ": ";
     for (const Stability s :
-         {Stability::stable, Stability::dissipative, Stability::energy_gaining, Stability::failed})
-      out << ' ' << count(results.stability, scheme, s) << " |";
+         {Stability::stable, Stability::dissipative, Stability::energy_gaining, Stability::failed}) {
+      out << separator << count(results.stability, scheme, s);
+      separator = ", ";
+    }
     out << '\n';
   }
-  out << R"(
-Cells of a map over coupling stiffness, step, damping ratio and inertia ratio, by class. Black line: the theoretical limit
-of the explicit scheme.
-
-)";
+  out << "\nBlack line: the theoretical limit of the explicit scheme.\n\n";
   for (const std::string scheme : stability_schemes) write_gains(out, results.stability, scheme);
   out << '\n';
   for (const std::string scheme : stability_schemes)
@@ -179,12 +178,10 @@ of the explicit scheme.
   out << R"(The explicit scheme's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z) with z half the damping
 ratio, and found by bisection:
 
-| damping ratio | theory | measured |
-|---|---|---|
 )";
   for (const ExplicitLimit& l : results.explicit_limits)
-    out << "| " << number(l.damping) << " | " << number(explicit_limit(l.damping), 4) << " | "
-        << number(l.measured, 4) << " |\n";
+    out << "- ratio " << number(l.damping) << ": " << number(explicit_limit(l.damping), 4) << ", "
+        << number(l.measured, 4) << '\n';
   out << '\n';
 }
 
