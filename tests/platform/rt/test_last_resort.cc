@@ -169,7 +169,7 @@ TEST(LastFrames, AreThoseOfStoppingARig) {
   buses.push_back(make_bus(*parse_bus_address("pty", error), {}));
   LinuxLink link(std::move(buses), 1'000'000);
   ASSERT_TRUE(link.bus(0).open());
-  const std::vector<LastWords> words = last_words(*loaded.scene->device->rig, link);
+  const std::vector<LastWords> words = last_words(*loaded.scene->device->rig, 1e-3, link);
   ASSERT_EQ(words.size(), 1u);
   EXPECT_EQ(words[0].descriptor, link.bus(0).descriptor());
   EXPECT_THAT(words[0].writes, testing::ElementsAre("\rt20B400000000\r", "\rt20C400000000\r", "\rt00028001\r",
