@@ -108,6 +108,7 @@ struct TrBdf2 {
     prescribe_forces(par, 1, w);
     begin_stage<S>({.relaxation_time = (1 - c) * h,
                     .extrapolated = still_smooth ? 2 * (b - d) * h : 0,  // from y_1 to the base
+                    .swept = still_smooth ? 2 * b * h : 0,
                     .continues_step = true},
                    x, w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
@@ -185,8 +186,9 @@ struct TrBdf2 {
     prescribe_joints(par, end, w);
     prescribe_forces(par, end, w);
     if constexpr (has_stages<S>) w.turns.known = smooth;
-    begin_stage<S>({.relaxation_time = c * h, .extrapolated = dh, .slip_before = smooth ? Real(0.5) : 0}, x,
-                   w);
+    begin_stage<S>(
+        {.relaxation_time = c * h, .extrapolated = dh, .swept = dh, .slip_before = smooth ? Real(0.5) : 0}, x,
+        w);
     const auto inside = [&w](std::size_t g) -> const TargetOf<T>& { return w.inside[g]; };
     return solve_stage(par, x, h_1, !smooth, inside, w);
   }

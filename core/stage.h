@@ -86,11 +86,26 @@ void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
   }
 }
 
+/// Sets the mean velocities of bodies since the start of the step, from their poses then and at the predicted
+/// end. The predicted velocity is the mean one in stages that follow another.
+template <Scene S>
+void set_mean_velocities(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) noexcept {
+  auto& finder = w.contacts.finder;
+  const Real swept = w.contacts.stage.swept;
+  for (std::uint32_t i = 0; i < num_bodies(par); ++i) {
+    const Vec3& p_W = finder.at[i].p_W;
+    finder.owned[i].mean_beyond_predicted =
+        swept > 0 ? Vec3((p_W - x.bodies[i].x.X_WB.p) / (swept + h) - velocity_at(finder, i, p_W))
+                  : Vec3(Vec3::Zero());
+  }
+}
+
 /// Solves a stage with contacts, nodes and terms. Compiled once for all stages of a step.
 template <Scene S>
 [[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which,
                                       Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
+  set_mean_velocities(par, x, h, w);
   if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
   if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);

@@ -120,6 +120,7 @@ bool have_same_active_contacts(const StageMemories<max_contacts, num>& stage) no
 struct ContactStage {
   Real relaxation_time = 0;  // s, duration of the relaxation of e
   Real extrapolated = 0;     // s: extrapolation from the end of the previous stage to the start of this one
+  Real swept = 0;  // s, before the start: smooth stages sweep the motion since the start of the step
   // weight of the previous rate of slip in the stored one: a half for the mean, by which TR-BDF2 extrapolates
   Real slip_before = 0;
   Real found = 0;               // sum of ContactReport::found over the previous stages of the step, J

@@ -64,7 +64,8 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       };
       const auto first_touch = [&](std::uint32_t j) noexcept {
         const Vec3 p_W = lane(pack.p_W, j);
-        return swept(shape, p_W, -w.since() * (velocity_at(w, a, p_W) - velocity_at(w, b, p_W)), pack.r[j]);
+        return swept(shape, p_W, -w.since() * (swept_velocity_at(w, a, p_W) - swept_velocity_at(w, b, p_W)),
+                     pack.r[j]);
       };
       const auto before = [&](std::uint32_t j, const SurfacePoint& nearest) noexcept {
         return behind_face_before(pair | touch_key(s + j, o), *w.before, shape, lane(pack.p_W, j), nearest);

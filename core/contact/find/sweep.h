@@ -87,7 +87,7 @@ PlacedShape earlier(const ContactFinder<Contacts, N>& w, std::uint32_t body, std
                     Real before) noexcept {
   PlacedShape shape = w.placed[o];
   if (body < N)
-    shape.move(-before * velocity_at(w, body, shape.p_W()), exp_so3(Vec3(-before * w.at[body].V.w)));
+    shape.move(-before * swept_velocity_at(w, body, shape.p_W()), exp_so3(Vec3(-before * w.at[body].V.w)));
   return shape;
 }
 

@@ -21,17 +21,19 @@ struct ContactFinder {
     // largest distance of its spheres from the centre of mass, and smallest radius, m
     Real farthest = 0, smallest = 0;
     Twist beyond_predicted;  // its velocity without contacts minus the predicted one
+    // mean velocity of its centre since the start of the step minus the predicted one, m/s
+    Vec3 mean_beyond_predicted = Vec3::Zero();
 
     std::uint32_t num_packs() const noexcept { return (end_sphere - first_sphere + 3) / 4; }
     bool has_surfaces() const noexcept { return end_surface > first_surface; }
     bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
   };
-  /// Returns the time since the last solved place of the bodies, s.
+  /// Returns the time over which the motion is swept, s.
   Real since() const noexcept { return h + extrapolated; }
 
   std::array<Owned, N> owned;
   Real h = 0;             // length of the stage, s
-  Real extrapolated = 0;  // extrapolation of its base beyond the last solved place, s
+  Real extrapolated = 0;  // duration of the motion before the stage that is swept with it, s
   const ContactMemories<Contacts::max_contacts>* before = nullptr;  // contact memory of the previous stage
   std::size_t num_fixed = 0;                                        // number of surfaces of the world
   bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
@@ -49,6 +51,13 @@ Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const 
   if (body >= N) return Vec3::Zero();
   const TreePlace& at = w.at[body];
   return at.V.v + at.V.w.cross(p_W - at.a_W);
+}
+/// Returns the velocity at which a point of a body came to its place at the end of the stage; zero for the
+/// world.
+template <class Contacts, std::size_t N>
+Vec3 swept_velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& p_W) noexcept {
+  if (body >= N) return Vec3::Zero();
+  return velocity_at(w, body, p_W) + w.owned[body].mean_beyond_predicted;
 }
 /// Returns the opening speed of a point of body a, or of four points, along a normal off body b.
 template <class T = Real, class Contacts, std::size_t N>
@@ -164,7 +173,7 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     owned.end_sphere = s;
     owned.first_pack = num_packs;
     num_packs += place_spheres(par, s, w.at[i], w.packs.data() + num_packs, owned);
-    owned.travel = w.since() * speed_bound(w.at[i].V, owned.farthest);
+    owned.travel = w.since() * (speed_bound(w.at[i].V, owned.farthest) + owned.mean_beyond_predicted.norm());
     w.may_leave_search = w.may_leave_search || is_outside_search(owned, owned.beyond_predicted, w.h);
     o = place_surfaces(par, i, o, w);
     if constexpr (Contacts::between_bodies) enter_broad_phase(i, w);
