@@ -78,7 +78,7 @@ TEST(ContactScene, TellsTheCoreSpheresSurfacesAndLaws) {
   EXPECT_EQ(contacts.spheres[0].p_B, Vec3(-0.01, 0, 0));
   EXPECT_EQ(contacts.spheres[2].p_B, Vec3(0.01, 0, 0));
   EXPECT_EQ(contacts.spheres[2].radius, 0.002);
-  ASSERT_EQ(contacts.surfaces.size(), 1u) << "nothing else could touch the brick's box";
+  ASSERT_EQ(contacts.surfaces.size(), 2u) << "the plane, and the brick's box, which boxes of the world meet";
   EXPECT_EQ(contacts.surfaces[0].body, world);
   EXPECT_EQ(contacts.surfaces[0].shape.kind, ShapeKind::plane);
   const ContactLaw law = contacts.laws[contacts.surfaces[0].material][contacts.spheres[0].material];
@@ -236,7 +236,7 @@ TEST(ContactScene, FilesAreRelativeToTheScene) {
   const LoadResult result = parse_scene(text, scene_file);
   ASSERT_THAT(result.errors, IsEmpty());
   const SceneContacts contacts = scene_contacts(*result.scene);
-  ASSERT_EQ(contacts.surfaces.size(), 1u);
+  ASSERT_EQ(contacts.surfaces.size(), 2u);
   ASSERT_TRUE(is_valid(contacts.surfaces[0].shape));
   EXPECT_EQ(contacts.surfaces[0].shape.height_field->columns, 3u);
   EXPECT_EQ(contacts.surfaces[0].shape.height_field->point(1, 1), Vec3(0.5, 0.5, 0.2));
@@ -252,10 +252,10 @@ TEST(ContactScene, ManySpheresFromOneFile) {
                "orientation_wxyz = [0.7071067811865476, 0, 0, 0.7071067811865476]\nfile = \"" +
                    centres + "\"");
   const SceneContacts contacts = scene_contacts(loaded(text));
-  ASSERT_EQ(contacts.surfaces.size(), 3u);
+  ASSERT_EQ(contacts.surfaces.size(), 4u);
   EXPECT_TRUE(contacts.surfaces[1].shape.X_WS.p.isApprox(Vec3(0, 0.1, 1), 1e-12));
   EXPECT_TRUE(contacts.surfaces[2].shape.X_WS.p.isApprox(Vec3(-0.2, 0, 1), 1e-12));
-  EXPECT_EQ(contact_counts(loaded(text)).surfaces, 3u);
+  EXPECT_EQ(contact_counts(loaded(text)).surfaces, 4u);
   EXPECT_EQ(contact_counts(loaded(text)).spheres, 3u);
 }
 
