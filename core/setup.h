@@ -108,8 +108,7 @@ Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, 
   for (std::size_t o = 0; o < par.num_surfaces; ++o) {
     const Surface& surface = par.surfaces[o];
     const bool in_order = body == world || (surface.body != world && surface.body >= body);
-    const bool owned =
-        surface.body == world || (surface.body < num_bodies && is_carried(surface.shape.kind));
+    const bool owned = surface.body == world || (surface.body < num_bodies && is_carried(surface.shape.kind));
     if (!is_valid(surface.shape) || !in_order || !owned || surface.material >= max_materials)
       return {Invalid::contact_surface, o};
     body = surface.body;
