@@ -48,7 +48,7 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
 template <class Contacts, std::size_t N>
 ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, const Vector3<Pack>& p_W,
                                       const ContactFinder<Contacts, N>& bodies) noexcept {
-  static const TreePlace at_origin{};
+  const TreePlace at_origin{};
   const auto at = [&](std::size_t j) -> const TreePlace& {
     const std::uint32_t b = near.of[j]->b;
     return b == NetContactTerm::on_world ? at_origin : bodies.at[b];

@@ -27,6 +27,13 @@ struct TouchingEachOther : Composition<IntegratorPart, PoseDevice, DampedSpring,
   using Contacts = BodyContacts<8, 4, 16>;
 };
 
+/// With a net that touches bodies.
+template <class IntegratorPart>
+struct WithANet : Composition<IntegratorPart, PoseDevice, DampedSpring, LimitedFeedback, TreeJoints<>> {
+  using Contacts = BodyContacts<8, 4, 16>;
+  using Net = MassSpringNet<16, 48, 32>;
+};
+
 /// Calls all that the core offers to a scene; instantiating the class emits its functions.
 template <Scene S>
 struct Probe {
@@ -79,5 +86,7 @@ template struct Probe<Touching<ImplicitEuler>>;
 template struct Probe<Touching<TrBdf2>>;
 template struct Probe<TouchingEachOther<ImplicitEuler>>;
 template struct Probe<TouchingEachOther<TrBdf2>>;
+template struct Probe<WithANet<ImplicitEuler>>;
+template struct Probe<WithANet<TrBdf2>>;
 
 }  // namespace godobject
