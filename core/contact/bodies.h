@@ -246,7 +246,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
 template <class Contacts, std::size_t N, class... Net>
 void solve_contacts(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
                     BodyContactScratch<Contacts, N>& w, const Net&... net) noexcept {
-  w.finder.extrapolated = w.stage.swept;
+  w.finder.swept = w.stage.swept;
   find_contacts(par, w.memories.before(), num_bodies, h, w.finder, w.near);
   (find_net_contacts(par, net, num_bodies, w), ...);
   find_pairs(num_bodies, w);

@@ -43,11 +43,8 @@ class GroupPlaces {
   }
   /// Returns the predicted velocities of points of the first body against the other.
   Vector3<Pack> velocity(const Vector3<Pack>& c_W) const noexcept {
-    const auto of = [&](const TreePlace& at) noexcept {
-      const Vector3<Pack> r = c_W - at.a_W.template cast<Pack>();
-      return Vector3<Pack>(at.V.v.template cast<Pack>() + at.V.w.template cast<Pack>().cross(r));
-    };
-    return other_ == nullptr ? of(*first_) : Vector3<Pack>(of(*first_) - of(*other_));
+    const Vector3<Pack> v_W = velocity_at<Pack>(*first_, c_W);
+    return other_ == nullptr ? v_W : Vector3<Pack>(v_W - velocity_at<Pack>(*other_, c_W));
   }
 
  private:

@@ -81,11 +81,12 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     const NearFour near(&of.near.list[4 * p], of.near.size - 4 * p);
     std::array<StageLawOf<Real>, 4> laws{};
     std::array<Vec3, 4> r, v_W;
+    // levers end at the nodes: friction at the surface would turn the body and nothing else
+    const Vector3<Pack> nodes_W = positions_of_nodes<typename Contacts::Net>(net.par, near);
     for (std::uint32_t j = 0; j < 4; ++j) {
       const NearContact& one = *near.of[j];
       const bool on_world = one.b == NetContactTerm::on_world;
-      // the lever ends at the node: friction at the surface would turn the body and nothing else
-      const Vec3 p_W = one.p_W + net.par.nodes[one.a].radius * one.n_W;
+      const Vec3 p_W = lane(nodes_W, j);
       r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(p_W - w.finder.at[one.b].p_W);
       v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
       if (j >= near.size) continue;
@@ -96,8 +97,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
-    const ContactPlacesOf<Pack> places =
-        places_of_nodes(near, positions_of_nodes<typename Contacts::Net>(net.par, near), w.finder);
+    const ContactPlacesOf<Pack> places = places_of_nodes(near, nodes_W, w.finder);
     ContactStartOf<Pack> start{
         .at = places,
         .n_W = near.all(&NearContact::n_W),

@@ -132,12 +132,7 @@ class NetFinder {
     if (b != on_world && is_attached(net_.attachments, n, b)) return;
     const Real radius = net_.nodes[n].radius;
     const Vec3 p_W = w_.p[n].vec() - radius * n_W;
-    Vec3 v = w_.v[n].vec();
-    if (b != on_world) {
-      const TreePlace& at = bodies_.at[b];
-      v -= at.V.v + at.V.w.cross(p_W - at.a_W);
-    }
-    const Real v_n = n_W.dot(v);
+    const Real v_n = n_W.dot(w_.v[n].vec() - velocity_at(bodies_, b, p_W));
     if (!(std::max(d, d + bodies_.h * v_n) > -contact_reach * radius)) return;
     w_.near.add({.key = key_of(n, touched),
                  .of = n,

@@ -29,11 +29,11 @@ struct ContactFinder {
     bool empty() const noexcept { return first_sphere == end_sphere && !has_surfaces(); }
   };
   /// Returns the time over which the motion is swept, s.
-  Real since() const noexcept { return h + extrapolated; }
+  Real since() const noexcept { return h + swept; }
 
   std::array<Owned, N> owned;
-  Real h = 0;             // length of the stage, s
-  Real extrapolated = 0;  // duration of the motion before the stage that is swept with it, s
+  Real h = 0;      // length of the stage, s
+  Real swept = 0;  // duration of the motion before the stage that is swept with it, s
   const ContactMemories<Contacts::max_contacts>* before = nullptr;  // contact memory of the previous stage
   std::size_t num_fixed = 0;                                        // number of surfaces of the world
   bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
@@ -45,12 +45,17 @@ struct ContactFinder {
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
+/// Returns the velocity of a point of a body, or of four points.
+template <class T>
+Vector3<T> velocity_at(const TreePlace& at, const Vector3<T>& p_W) noexcept {
+  const Vector3<T> r = p_W - at.a_W.template cast<T>();
+  return at.V.v.template cast<T>() + at.V.w.template cast<T>().cross(r);
+}
 /// Returns the velocity of a point of a body at the end of the stage; zero for the world.
 template <class Contacts, std::size_t N>
 Vec3 velocity_at(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& p_W) noexcept {
   if (body >= N) return Vec3::Zero();
-  const TreePlace& at = w.at[body];
-  return at.V.v + at.V.w.cross(p_W - at.a_W);
+  return velocity_at<Real>(w.at[body], p_W);
 }
 /// Returns the velocity at which a point of a body came to its place at the end of the stage; zero for the
 /// world.
