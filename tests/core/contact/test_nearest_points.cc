@@ -4,9 +4,9 @@
 
 #include <cstdio>
 
-#include "core/shape/mesh_setup.h"
 #include "tests/core/contact/bodies/jointed_pile.h"
 #include "tests/core/contact/usual_scenes.h"
+#include "tests/core/mesh_arrays.h"
 #include "tests/oracle/nearest_point.h"
 
 namespace godobject::test_nearest_points {
@@ -22,14 +22,7 @@ using Scenes = ::testing::Types<OneTool<ImplicitEuler>, OneTool<TrBdf2>, FewBodi
 TYPED_TEST_SUITE(InScene, Scenes);
 
 /// A closed surface of triangles round a point, with bumps and hollows.
-struct Lump {
-  std::vector<Vec3> vertices;
-  std::vector<TriangleIndices> triangles;
-  std::vector<Vec3> face_normals, vertex_normals;
-  std::vector<EdgeNormals> edge_normals;
-  std::vector<std::uint32_t> half_edges, cell_start, cell_triangles;
-  TriangleMesh mesh;
-
+struct Lump : MeshArrays {
   Lump(Random& random, Real size) {
     constexpr std::uint32_t rings = 5, around = 8;
     const auto point = [&](Real polar, Real turn) {
@@ -52,16 +45,7 @@ struct Lump {
       }
       triangles.push_back({of(rings - 1, k), last, of(rings - 1, k + 1)});
     }
-    face_normals.resize(triangles.size());
-    edge_normals.resize(triangles.size());
-    vertex_normals.resize(vertices.size());
-    half_edges.resize(3 * triangles.size());
-    cell_start.resize(20001);
-    cell_triangles.resize(200000);
-    const MeshReport report = set_up_mesh(
-        vertices, triangles, size / 4,
-        {face_normals, edge_normals, vertex_normals, half_edges, cell_start, cell_triangles}, mesh);
-    EXPECT_EQ(report.invalid, MeshInvalid::nothing);
+    EXPECT_EQ(set_up(size / 4).invalid, MeshInvalid::nothing);
   }
 };
 

@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
-#include "core/shape/mesh_setup.h"
 #include "tests/core/contact/usual_scenes.h"
+#include "tests/core/mesh_arrays.h"
 #include "tests/oracle/nearest_point.h"
 
 namespace godobject::test_valleys {
@@ -19,15 +19,8 @@ constexpr int draws = 10;  // builds with assertions and sanitizers take a hundr
 
 constexpr Real radius = 0.005;  // m
 
-/// A closed surface and the arrays of its mesh.
-struct Solid {
-  std::vector<Vec3> vertices;
-  std::vector<TriangleIndices> triangles;
-  std::vector<Vec3> face_normals, vertex_normals;
-  std::vector<EdgeNormals> edge_normals;
-  std::vector<std::uint32_t> half_edges, cell_start, cell_triangles;
-  TriangleMesh mesh;
-
+/// A closed surface.
+struct Solid : MeshArrays {
   Solid() = default;
   Solid(const Solid&) = delete;
   Solid& operator=(const Solid&) = delete;
@@ -37,16 +30,7 @@ struct Solid {
     triangles.push_back({a, c, d});
   }
   void set_up(Real spacing) {
-    face_normals.resize(triangles.size());
-    edge_normals.resize(triangles.size());
-    vertex_normals.resize(vertices.size());
-    half_edges.resize(3 * triangles.size());
-    cell_start.resize(200001);
-    cell_triangles.resize(2000000);
-    const MeshReport report = set_up_mesh(
-        vertices, triangles, spacing,
-        {face_normals, edge_normals, vertex_normals, half_edges, cell_start, cell_triangles}, mesh);
-    ASSERT_EQ(report.invalid, MeshInvalid::nothing);
+    ASSERT_EQ(MeshArrays::set_up(spacing, 200000, 2000000).invalid, MeshInvalid::nothing);
   }
   oracle::Solid twin() const { return oracle::mesh(vertices, triangles); }
 };

@@ -1,7 +1,7 @@
 #include <map>
 #include <utility>
 
-#include "core/shape/mesh_setup.h"
+#include "tests/core/mesh_arrays.h"
 #include "tests/core/shape_checks.h"
 
 namespace godobject::test_shape_mesh {
@@ -16,27 +16,7 @@ Real max_visits(const MeshGrid& grid, Real reach) {
   return visits;
 }
 
-/// A mesh with all the arrays that the caller of set_up_mesh() owns.
-struct Solid {
-  std::vector<Vec3> vertices;
-  std::vector<TriangleIndices> triangles;
-  std::vector<Vec3> face_normals{}, vertex_normals{};
-  std::vector<EdgeNormals> edge_normals{};
-  std::vector<std::uint32_t> half_edges{}, cell_start{}, cell_triangles{};
-  TriangleMesh mesh{};
-
-  MeshStorage storage() {
-    return {face_normals, edge_normals, vertex_normals, half_edges, cell_start, cell_triangles};
-  }
-  MeshReport set_up(Real spacing, std::size_t cells = 20000, std::size_t entries = 200000) {
-    face_normals.resize(triangles.size());
-    edge_normals.resize(triangles.size());
-    vertex_normals.resize(vertices.size());
-    half_edges.resize(3 * triangles.size());
-    cell_start.resize(cells + 1);
-    cell_triangles.resize(entries);
-    return set_up_mesh(vertices, triangles, spacing, storage(), mesh);
-  }
+struct Solid : MeshArrays {
   ShapeParams params(const Pose& X_WS = {}) const {
     return {.kind = ShapeKind::mesh, .X_WS = X_WS, .mesh = &mesh};
   }
