@@ -1,0 +1,72 @@
+// Contacts of the points of shapes, of bodies and of the world, with shapes of each other.
+//
+// Spheres of a body touch instead of the points that they round. Each contact has one finder: the centre of
+// the rounder shape. So a ball's centre touches capsules and boxes, ends of capsules touch boxes, and corners
+// touch the sides of capsules and the faces of boxes. Of two points the one touches that no sphere rounds, or
+// that of the first body. Bound: for each two shapes that are near, a query for each point.
+#pragma once
+
+#include "core/contact/find/on_shape.h"
+
+namespace godobject {
+
+/// Returns the number of the point that an outer shape has at a place p_W: of a ball its centre, of a capsule
+/// the end beyond which p_W lies. Returns max_points if it has none there.
+inline std::uint32_t point_towards(const PlacedShape& shape, const Vec3& p_W) noexcept {
+  if (shape.kind() == ShapeKind::sphere) return 0;
+  if (shape.kind() != ShapeKind::capsule) return max_points;
+  const Real z = shape.R_WS().col(2).dot(p_W - shape.p_W());
+  return z <= -shape.half_length() ? 0 : z >= shape.half_length() ? 1 : max_points;
+}
+
+/// True if a point of shape s is to be found on shape o. other: point of shape o at the same place. is_first:
+/// true if shape s is of the contact's first body.
+template <class Contacts, std::size_t N>
+bool is_finder(const ContactFinder<Contacts, N>& w, std::uint32_t s, std::uint32_t o, std::uint32_t other,
+               bool is_first) noexcept {
+  const ShapeKind of = w.placed[s].kind(), on = w.placed[o].kind();
+  if (other >= max_points) return true;
+  if (of != on) return of == ShapeKind::sphere;
+  return (w.rounded[o] >> other & 1) == 0 && is_first;
+}
+
+/// Finds the contacts of the points of surfaces [s, s_end) of body a with surfaces [o, o_end) of body b. One
+/// of both may be the world, N. key: of the pair of bodies, and of the side of a. is_first: true if a is the
+/// first body of the pair.
+template <class Contacts, std::size_t N>
+void find_on_points(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t s,
+                    std::uint32_t s_end, std::uint32_t b, const std::uint32_t first, std::uint32_t o_end,
+                    std::uint64_t key, bool is_first, const Vec3* leaving_W,
+                    NearContacts<Contacts::max_contacts>& near) noexcept {
+  using Finder = ContactFinder<Contacts, N>;
+  const Real travel = (a < N ? w.owned[a].travel : 0) + (b < N ? w.owned[b].travel : 0);
+  for (; s < s_end; ++s) {
+    const PlacedShape& of = w.placed[s];
+    const std::uint32_t num = num_points(of.kind());
+    if ((w.rounded[s] + 1u) >> num != 0) continue;
+    const Real round_s = ball_round(of) * (1 + contact_reach) + travel;
+    for (std::uint32_t o = first; o < o_end; ++o) {
+      const PlacedShape& on = w.placed[o];
+      const Real round = round_s + ball_round(on);
+      if (is_carried(on.kind()) && (of.p_W() - on.p_W()).squaredNorm() > round * round) continue;
+      const Real thinnest = std::min(half_thickness(of.in_world()), half_thickness(on.in_world()));
+      for (std::uint32_t j = 0; j < num; ++j) {
+        if ((w.rounded[s] >> j & 1) != 0) continue;
+        const ShapePoint point = point_of(of.in_world(), j, thinnest);
+        const Vec3 p_W = of.p_W() + of.R_WS() * point.p_S;
+        if (!is_finder(w, s, o, point_towards(on, p_W), is_first)) continue;
+        const auto number = static_cast<std::uint32_t>(Finder::max_spheres + max_points * s + j);
+        const TouchingBall ball{.key = key | touch_key(number, o),
+                                .of = s,
+                                .body = a,
+                                .p_W = p_W,
+                                .r = point.r,
+                                .tip_W = of.R_WS() * point.tip_S,
+                                .is_corner = of.kind() == ShapeKind::box};
+        find_on_shape(w, ball, b, o, travel, leaving_W, near, true);
+      }
+    }
+  }
+}
+
+}  // namespace godobject
