@@ -1,0 +1,143 @@
+// A tray whose shape is a box, on a ball, a capsule or a box that stands or lies between its corners: rests with
+// its weight, tips where its centre of mass is beside its support, and is dropped without gains of energy.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "core/energy_balance.h"
+#include "tests/core/contact/usual_scenes.h"
+
+namespace godobject::test_shapes_on_posts {
+namespace {
+
+const Vec3 tray_half(0.05, 0.04, 0.005);
+constexpr Real tray_mass = 0.2, post_mass = 1;
+const ContactLaw law = law_of(2e4, 1, 0.5, tray_mass);
+
+/// A post whose highest point is the origin.
+struct Post {
+  const char* name;
+  ShapeParams shape;
+};
+Post post_of(const char* name, ShapeParams shape) {
+  Real top = shape.radius;
+  const Vec3 up_S = shape.X_WS.q.toRotationMatrix().transpose() * Vec3::UnitZ();
+  if (shape.kind == ShapeKind::box) top = up_S.cwiseAbs().dot(shape.half_extents);
+  if (shape.kind == ShapeKind::capsule) top += std::abs(up_S.z()) * shape.half_length;
+  shape.X_WS.p = Vec3(0, 0, -top);
+  return {name, shape};
+}
+ShapeParams turned(ShapeParams shape, const Vec3& turn) {
+  shape.X_WS.q = exp_so3(turn);
+  return shape;
+}
+ShapeParams ball(Real radius) { return {.kind = ShapeKind::sphere, .radius = radius}; }
+ShapeParams capsule(Real radius, Real half_length) {
+  return {.kind = ShapeKind::capsule, .radius = radius, .half_length = half_length};
+}
+ShapeParams box(const Vec3& half) { return {.kind = ShapeKind::box, .half_extents = half}; }
+
+std::vector<Post> posts() {
+  const Vec3 quarter(pi / 4, 0, 0);
+  const Quat corner_up = Quat::FromTwoVectors(Vec3(1, 1, 1), Vec3::UnitZ());
+  ShapeParams on_corner = box(Vec3::Constant(0.02));
+  on_corner.X_WS.q = corner_up;
+  return {post_of("ball", ball(0.02)),
+          post_of("end of a capsule", capsule(0.02, 0.03)),
+          post_of("short side of a capsule", turned(capsule(0.01, 0.02), Vec3(0, pi / 2, 0))),
+          post_of("long side of a capsule", turned(capsule(0.01, 0.2), Vec3(0, pi / 2, 0))),
+          post_of("corner of a box", on_corner),
+          post_of("short edge of a box", turned(box(Vec3(0.02, 0.02, 0.02)), quarter)),
+          post_of("long edge of a box", turned(box(Vec3(0.2, 0.02, 0.02)), quarter)),
+          post_of("face of a box", box(Vec3(0.01, 0.01, 0.02)))};
+}
+bool has_area(const Post& post) { return std::string(post.name) == "face of a box"; }
+
+/// A tray above a post, by `offset` beside it. with_spheres: true for a sphere at each corner of the tray.
+struct Setting {
+  bool on_body = false, with_spheres = false, with_other = false;
+  Vec3 offset = Vec3::Zero();
+  Real gap = 2e-4;
+};
+
+template <class S>
+struct OnPost {
+  std::unique_ptr<Pile<S>> pile = std::make_unique<Pile<S>>();
+  std::size_t tray = 0;
+
+  OnPost(const Post& post, const Setting& of) {
+    set_law(pile->par, law);
+    pile->par.gravity_W = Vec3(0, 0, -earth_gravity);
+    if (!of.on_body) {
+      auto& contacts = pile->par.contacts;
+      contacts.surfaces[contacts.num_surfaces++] = {.shape = post.shape};
+    } else {
+      // a stiff coupling holds the post where it is
+      const Pose X = post.shape.X_WS;
+      const std::size_t i = pile->add(solid_ball(post_mass, 0.02), {.X_WB = X, .V_WB = {}});
+      ShapeParams own = post.shape;
+      own.X_WS = {};
+      pile->carry(i, own);
+      pile->hold_at(i, X, {.k = 1e6, .g = 1e3, .k_r = 1e4, .g_r = 10});
+    }
+    tray = pile->add(solid_box(tray_mass, tray_half),
+                     {.X_WB = at(of.offset + Vec3(0, 0, tray_half.z() + of.gap)), .V_WB = {}});
+    for (int k = 0; of.with_spheres && k < 8; ++k)
+      add_sphere(pile->par, tray,
+                 (tray_half - Vec3::Constant(2e-3)).cwiseProduct(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)),
+                 2e-3);
+    pile->carry(tray, {.kind = ShapeKind::box, .half_extents = tray_half});
+    if (of.with_other) pile->add_brick({.X_WB = at(Vec3(5, 0, 0)), .V_WB = {}});
+  }
+};
+
+/// Returns the mean height and force on the tray over the last tenth of a run.
+template <class S>
+void expect_rest(const Post& post, const Setting& setting) {
+  OnPost<S> run(post, setting);
+  const Vec3 weight(0, 0, tray_mass * earth_gravity);
+  ASSERT_TRUE(run.pile->run(0.3));
+  const RigidBodyState& tray = run.pile->at(run.tray);
+  EXPECT_LT((run.pile->out.bodies[run.tray].contact.F_W.f - weight).norm(), 1e-3 * weight.norm());
+  EXPECT_LT(tray.v_W.norm(), 1e-5);
+  EXPECT_LT(tray.w_B.norm(), 1e-3);
+  // the springs of a few contacts bear the weight
+  EXPECT_LT(tray.X_WB.p.z(), tray_half.z());
+  EXPECT_GT(tray.X_WB.p.z(), tray_half.z() - 1.1 * weight.norm() / law.k - (setting.on_body ? 1e-4 : 0));
+}
+
+template <class I>
+struct ShapesOnPosts : ::testing::Test {};
+using Integrators = ::testing::Types<ImplicitEuler, TrBdf2>;
+TYPED_TEST_SUITE(ShapesOnPosts, Integrators);
+
+TYPED_TEST(ShapesOnPosts, ATrayRestsWithItsWeight) {
+  for (const Post& post : posts())
+    for (const bool with_spheres : {false, true}) {
+      SCOPED_TRACE(::testing::Message() << post.name << (with_spheres ? ", spheres at the corners" : ""));
+      expect_rest<OneTool<TypeParam>>(post, {.with_spheres = with_spheres});
+      for (const bool on_body : {false, true})
+        for (const bool with_other : {false, true})
+          expect_rest<FewBodies<TypeParam>>(
+              post, {.on_body = on_body, .with_spheres = with_spheres, .with_other = with_other});
+    }
+}
+
+TYPED_TEST(ShapesOnPosts, ATrayTipsIfItsCentreIsBesideItsSupport) {
+  for (const Post& post : posts()) {
+    if (!has_area(post)) continue;
+    for (const bool on_body : {false, true})
+      for (const bool with_spheres : {false, true})
+        for (const Real x : {0.0085, 0.0115}) {
+          OnPost<FewBodies<TypeParam>> run(
+              post, {.on_body = on_body, .with_spheres = with_spheres, .offset = Vec3(x, 0, 0)});
+          ASSERT_TRUE(run.pile->run(0.6));
+          const Vec3 up = run.pile->at(run.tray).X_WB.q * Vec3::UnitZ();
+          if (x < 0.01) EXPECT_GT(up.z(), 0.9999) << "tips at " << x;
+          else EXPECT_LT(up.z(), 0.9) << "stays at " << x;
+        }
+  }
+}
+
+}  // namespace
+}  // namespace godobject::test_shapes_on_posts
