@@ -19,15 +19,17 @@ inline std::uint32_t point_towards(const PlacedShape& shape, const Vec3& p_W) no
   return z <= -shape.half_length() ? 0 : z >= shape.half_length() ? 1 : max_points;
 }
 
-/// True if a point of shape s is to be found on shape o. other: point of shape o at the same place. is_first:
-/// true if shape s is of the contact's first body.
+/// True if point j of shape s at p_W finds the contact with shape o. Of two ends of capsules each must be
+/// nearest to the other. is_first: true if shape s is of the contact's first body.
 template <class Contacts, std::size_t N>
-bool is_finder(const ContactFinder<Contacts, N>& w, std::uint32_t s, std::uint32_t o, std::uint32_t other,
-               bool is_first) noexcept {
-  const ShapeKind of = w.placed[s].kind(), on = w.placed[o].kind();
+bool is_finder(const ContactFinder<Contacts, N>& w, std::uint32_t s, std::uint32_t j, const Vec3& p_W,
+               std::uint32_t o, bool is_first) noexcept {
+  const PlacedShape &of = w.placed[s], &on = w.placed[o];
+  const std::uint32_t other = point_towards(on, p_W);
   if (other >= max_points) return true;
-  if (of != on) return of == ShapeKind::sphere;
-  return (w.rounded[o] >> other & 1) == 0 && is_first;
+  if (of.kind() != on.kind()) return of.kind() == ShapeKind::sphere;
+  const Vec3 other_W = on.p_W() + on.R_WS() * point_of(on.in_world(), other, on.radius()).p_S;
+  return (w.rounded[o] >> other & 1) == 0 && is_first && point_towards(of, other_W) == j;
 }
 
 /// Finds the contacts of the points of surfaces [s, s_end) of body a with surfaces [o, o_end) of body b. One
@@ -54,7 +56,7 @@ void find_on_points(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
         if ((w.rounded[s] >> j & 1) != 0) continue;
         const ShapePoint point = point_of(of.in_world(), j, thinnest);
         const Vec3 p_W = of.p_W() + of.R_WS() * point.p_S;
-        if (!is_finder(w, s, o, point_towards(on, p_W), is_first)) continue;
+        if (!is_finder(w, s, j, p_W, o, is_first)) continue;
         const auto number = static_cast<std::uint32_t>(Finder::max_spheres + max_points * s + j);
         const TouchingBall ball{.key = key | touch_key(number, o),
                                 .of = s,
