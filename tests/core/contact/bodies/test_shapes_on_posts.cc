@@ -84,7 +84,8 @@ struct OnPost {
                      {.X_WB = at(of.offset + Vec3(0, 0, tray_half.z() + of.gap)), .V_WB = {}});
     for (int k = 0; of.with_spheres && k < 8; ++k)
       add_sphere(pile->par, tray,
-                 (tray_half - Vec3::Constant(2e-3)).cwiseProduct(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)),
+                 (tray_half - Vec3::Constant(2e-3))
+                     .cwiseProduct(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)),
                  2e-3);
     pile->carry(tray, {.kind = ShapeKind::box, .half_extents = tray_half});
     if (of.with_other) pile->add_brick({.X_WB = at(Vec3(5, 0, 0)), .V_WB = {}});
@@ -137,6 +138,74 @@ TYPED_TEST(ShapesOnPosts, ATrayTipsIfItsCentreIsBesideItsSupport) {
           else EXPECT_LT(up.z(), 0.9) << "stays at " << x;
         }
   }
+}
+
+#ifdef NDEBUG
+constexpr unsigned draws = 400;
+#else
+constexpr unsigned draws = 4;  // builds with assertions and sanitizers take a hundred times as long
+#endif
+
+ShapeParams drawn_shape(Random& random) {
+  constexpr std::array kinds{ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
+  const auto length = [&] { return random.log_uniform(4e-3, 0.03); };
+  switch (kinds[static_cast<std::size_t>(random.integer(0, 2))]) {
+    case ShapeKind::sphere: return ball(length());
+    case ShapeKind::capsule: return capsule(length(), length());
+    default: return box(Vec3(length(), length(), length()));
+  }
+}
+
+/// Drops a few drawn shapes onto a drawn post and onto each other. Returns the largest gain of energy (38), as
+/// a share of the energy at work.
+template <class I>
+Real gain_of_fall(unsigned seed, std::size_t& contacts) {
+  Random random(seed);
+  auto pile = std::make_unique<Pile<FewBodies<I>>>();
+  auto& par = pile->par;
+  par.h = random.log_uniform(2e-4, 2e-3);
+  par.gravity_W = Vec3(0, 0, -earth_gravity);
+  const Real m = random.log_uniform(0.01, 0.5);
+  set_law(par, law_of(random.log_uniform(1e3, 3e4), random.uniform(0, 1), random.uniform(0, 0.8), m));
+  ShapeParams post = drawn_shape(random);
+  post.X_WS = {.p = Vec3::Zero(), .q = random.rotation()};
+  par.contacts.surfaces[par.contacts.num_surfaces++] = {.shape = post};
+  const int num = random.integer(1, 3);
+  for (int n = 0; n < num; ++n) {
+    const ShapeParams shape = drawn_shape(random);
+    const Pose X{.p = Vec3(0.01 * random.normal(), 0.01 * random.normal(), 0.11 + 0.1 * n),
+                 .q = random.rotation()};
+    const Real size = shape.radius + shape.half_length + shape.half_extents.norm();
+    const std::size_t i = pile->add(solid_ball(m, size),
+                                    {.X_WB = X, .V_WB = {.w = 3 * random.vector(), .v = Vec3(0, 0, -0.5)}});
+    for (std::uint32_t j = 0; random.integer(0, 2) == 0 && j < num_points(shape.kind); ++j) {
+      const ShapePoint point = point_of(shape, j, half_thickness(shape));
+      add_sphere(par, i, point.p_S, point.r);
+    }
+    pile->carry(i, shape);
+  }
+  EnergyBalance<FewBodies<I>> balance;
+  balance.start(par, pile->x);
+  for (long n = std::lround(0.25 / par.h); n > 0; --n) {
+    pile->step();
+    EXPECT_FALSE(any(pile->out.fault));
+    balance.observe(par, pile->x, pile->w, pile->out);
+    EXPECT_FALSE(balance.gains()) << "seed " << seed << " at " << pile->x.tick;
+    if (balance.gains()) break;
+    contacts += pile->out.contacts.num_contacts;
+  }
+  const GainWatch& watch = balance.watch();
+  return watch.at_work() > 0 ? watch.gained() / watch.at_work() : 0;
+}
+
+TYPED_TEST(ShapesOnPosts, DroppedShapesGainNoEnergy) {
+  std::size_t contacts = 0;
+  Real worst = 0;
+  for (unsigned seed = 0; seed < draws; ++seed) {
+    worst = std::max(worst, gain_of_fall<TypeParam>(seed, contacts));
+  }
+  std::printf("%zu contacts, largest gain %.1e of the energy at work\n", contacts, worst);
+  EXPECT_GT(contacts, 10 * draws);
 }
 
 }  // namespace
