@@ -53,9 +53,8 @@ class GroupPlaces {
   const TreePlace *first_ = nullptr, *other_ = nullptr;
 };
 
-/// Returns the radius that rolls in a contact (51): that of the touching sphere. Of two spheres half the
-/// difference, so that the order of their bodies does not matter; so of two shapes, of which boxes do not
-/// roll.
+/// Returns the radius that rolls in a contact (51): that of the touching sphere. Of two spheres or
+/// round shapes half the difference, so that the order of their bodies does not matter. Boxes do not roll.
 template <std::size_t max_spheres, std::size_t max_surfaces>
 Real rolling_radius(const ContactParams<max_spheres, max_surfaces>& par, const NearContact& near) noexcept {
   if (near.of < max_surfaces) {

@@ -31,13 +31,13 @@ std::string doubt_of_density(double surface_density, double thickness);
 /// mesh: in m, with the file's scale applied; owner: "obstacle 'liver'".
 std::string doubt_of_size(const MeshData& mesh, const std::string& owner);
 
-// Shapes that touch meshes and height fields only with their corners and ends and the spheres of their body,
-// so that narrower parts of a mesh pass between these at any speed.
+// Shapes that touch meshes and height fields only with their corners and ends, and the spheres of their body.
+// Narrower parts of a mesh pass between these at any speed.
 //
 // Balls, capsules and boxes meet each other and planes at every place (core/contact/find/find.h).
 
-/// True if a body touches an obstacle of this kind at every place of its shapes: other than a mesh or height
-/// field, or each shape is a ball or within a sphere of the body.
+/// True if a body touches an obstacle of this kind at every place of its shapes. A mesh or height field it
+/// so touches if each shape is a ball or within a sphere of the body.
 bool meets_obstacle(const BodyConfig& body, ShapeKind obstacle);
 
 /// A body whose shapes touch meshes only with corners, ends and spheres, and the first of the meshes.

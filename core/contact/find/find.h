@@ -64,8 +64,8 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   return BoxesAre::deep;
 }
 
-/// Finds crossings of the axis of capsule o of body a with edges or the axis of surface q of body b, or the
-/// world; or of edges of box o with the axis of capsule q.
+/// Finds crossings of the axis of a capsule with the axis of another or with edges of a box. o: surface of
+/// body a. q: surface of body b, or of the world.
 template <class Contacts, std::size_t N>
 void find_on_axes(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o, std::uint32_t b,
                   std::uint32_t q, std::uint64_t key, NearContacts<Contacts::max_contacts>& near) noexcept {

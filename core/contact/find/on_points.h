@@ -10,8 +10,8 @@
 
 namespace godobject {
 
-/// Returns the number of the point that an outer shape has at a place p_W: of a ball its centre, of a capsule
-/// the end beyond which p_W lies. Returns max_points if it has none there.
+/// Returns the number of the point of a round shape that is nearest to p_W. Of a ball the centre, of a
+/// capsule the end beyond which p_W lies. Returns max_points if there is none.
 inline std::uint32_t point_towards(const PlacedShape& shape, const Vec3& p_W) noexcept {
   if (shape.kind() == ShapeKind::sphere) return 0;
   if (shape.kind() != ShapeKind::capsule) return max_points;

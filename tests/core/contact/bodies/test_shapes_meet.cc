@@ -102,7 +102,7 @@ struct Pair {
   }
 };
 
-/// True if a deepest contact is to be compared: boxes in each other also have contacts along other normals.
+/// True for two boxes. In each other they also have deeper contacts along other normals.
 bool is_sharp(const ShapeParams& a, const ShapeParams& b) {
   return a.kind == ShapeKind::box && b.kind == ShapeKind::box;
 }

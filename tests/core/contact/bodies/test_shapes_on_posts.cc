@@ -1,5 +1,5 @@
-// A tray whose shape is a box, on a ball, a capsule or a box that stands or lies between its corners: rests with
-// its weight, tips where its centre of mass is beside its support, and is dropped without gains of energy.
+// A tray whose shape is a box, on a ball, capsule or box between its corners. It rests with its weight, and
+// tips if its centre of mass is beside its support. Dropped shapes gain no energy.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -156,8 +156,8 @@ ShapeParams drawn_shape(Random& random) {
   }
 }
 
-/// Drops a few drawn shapes onto a drawn post and onto each other. Returns the largest gain of energy (38), as
-/// a share of the energy at work.
+/// Drops a few drawn shapes onto a drawn post and onto each other. Returns the largest gain of energy (38),
+/// as a share of the energy at work.
 template <class I>
 Real gain_of_fall(unsigned seed, std::size_t& contacts) {
   Random random(seed);

@@ -1,5 +1,5 @@
-// Drawn scenes of boxes, balls and capsules on obstacles end alike up to rounding: in any order, rotated, mirrored or
-// translated.
+// Drawn scenes of boxes, balls and capsules on obstacles end alike up to rounding: in any order, rotated,
+// mirrored or translated.
 #include <gtest/gtest.h>
 
 #include <algorithm>
