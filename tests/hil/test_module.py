@@ -194,6 +194,13 @@ def test_the_plugin_reports_frames_and_repeats(tmp_path, scene, program):
     assert re.search(r"SKIPPED.*only on a simulated rig", on_hardware), on_hardware
 
 
+def test_types_are_complete(tmp_path):
+    pytest.importorskip("mypy", reason="no mypy: apt-get install mypy")
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path, MODULES / "godobject"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
 def test_signals_go_to_own_programs_alone():
     with hil.Process([sys.executable, "-c", "import time; time.sleep(60)"]) as own:
         sent = own.send_signal(signal.SIGTERM)

@@ -160,7 +160,10 @@ class Run(Process):
         words: list[str | Path] = [program, "run", scene, "--report", self.report_path]
         words += [word for bus in buses for word in ("--bus", bus)]
         words += [word for tracker in trackers for word in ("--tracker", tracker)]
-        words += ["--record", self.record_path] * record + ["--trace", self.trace_path] * trace
+        if record:
+            words += ["--record", self.record_path]
+        if trace:
+            words += ["--trace", self.trace_path]
         super().__init__([*words, *arguments], **popen)
 
     def console(self) -> list[tuple[float, str]]:

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import pytest
 from _pytest.runner import runtestprotocol
@@ -24,6 +24,17 @@ from .ports import Listener, why_no_socketcan
 from .programs import Run
 from .rig import ATTEMPTS, Rig
 from .scene import Scene, changed_scene
+
+_Hook = TypeVar("_Hook", bound=Callable[..., Any])
+
+
+def _around(hook: _Hook) -> _Hook:
+    return cast(_Hook, pytest.hookimpl(hookwrapper=True)(hook))
+
+
+def _first(hook: _Hook) -> _Hook:
+    return cast(_Hook, pytest.hookimpl(tryfirst=True)(hook))
+
 
 _STARVED = pytest.StashKey[str]()
 _REPEATED = pytest.StashKey[list[str]]()
@@ -46,7 +57,8 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "vcan: runs on vcan0, ...; skipped with the reason without AF_CAN")
     config.addinivalue_line("markers", "simulated: skipped on hardware, where nothing plays faults")
     config.addinivalue_line("markers", "repeats_if_starved: repeated if it fails while a busy machine stalls the run")
-    config.stash[_REPEATED] = []
+    repeated: list[str] = []
+    config.stash[_REPEATED] = repeated
 
 
 def tier_of(config: pytest.Config) -> str:
@@ -144,7 +156,7 @@ def bus(rig: Rig) -> Listener:
     return rig.bus
 
 
-@pytest.hookimpl(hookwrapper=True)
+@_around
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Iterator[None]:
     """Skips a test that needs something which this machine, or a real rig, lacks."""
     outcome: Any = yield
@@ -156,7 +168,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Iterator[None]:
             outcome._excinfo = (type(skipped), skipped, skipped.__traceback__)
 
 
-@pytest.hookimpl(hookwrapper=True)
+@_around
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
     """Adds the frames around a failure, and the texts of the runs."""
     outcome: Any = yield
@@ -177,7 +189,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
                     report.sections.append(("faults of the rig", str(error)))
 
 
-@pytest.hookimpl(tryfirst=True)
+@_first
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
     """Repeats a failed test of the marker repeats_if_starved if its run was stalled."""
     if item.get_closest_marker("repeats_if_starved") is None:
