@@ -3,6 +3,8 @@ import json
 import os
 import re
 import signal
+import socket
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -102,6 +104,35 @@ def test_every_verb_is_accepted(rig, program):
                 tracked.fault(verb, tracker=tracked.scene.trackers[0])
     with pytest.raises(hil.Refused, match="no fault|unknown verb"):
         rig.fault("dorp", bus="can0")
+
+
+def test_the_example_of_the_page_runs(program):
+    example = re.search(r"```python\n(.*?)```", (SOURCE / "docs/python-hil.md").read_text(), re.S)[1]
+    done = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True, cwd=SOURCE, timeout=60,
+                          env=dict(os.environ, PYTHONPATH=str(MODULES), GODOBJECT_PROGRAM=program))
+    assert done.returncode == 0 and "FAULT sample_stale (can0 node 1, encoder of turret)" in done.stdout, done.stderr
+
+
+def test_frames_of_socketcan(monkeypatch):
+    class Socket(socket.socket):  # in place of one of AF_CAN, which few machines have
+        def bind(self, address):
+            assert address == ("can0",)
+
+    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
+    near = Socket(fileno=near.detach())
+    monkeypatch.setattr("godobject.hil.ports.why_no_socketcan", lambda interface: "")
+    monkeypatch.setattr(socket, "socket", lambda *kind: near)
+    port = hil.SocketCanPort("can0")
+    standard, extended, remote = 0x18B, 0x1ABCDEF0 | 1 << 31, 0x181 | 1 << 30
+    before = hil.now()
+    for can_id, data in ((standard, b"\x37\x12"), (remote, b""), (extended, bytes(8))):
+        far.send(struct.pack("=IB3x8s", can_id, len(data), data))
+    received = [frame for _ in range(3) for frame in port.receive(1)]
+    assert [frame[1:] for frame in received] == [(0x18B, b"\x37\x12", False), (0x1ABCDEF0, bytes(8), True)]
+    assert all(before - 0.01 <= frame[0] <= hil.now() + 0.01 for frame in received)
+    port.send(0x20B, b"\x0f\x00\x01\x00")
+    assert far.recv(99) == struct.pack("=IB3x8s", 0x20B, 4, b"\x0f\x00\x01\x00")
+    assert port.receive(0) == []
 
 
 def test_a_log_with_a_wrong_line_is_refused(tmp_path):
