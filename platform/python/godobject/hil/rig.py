@@ -176,9 +176,13 @@ class Rig:
         return process
 
     def start_run(self, *arguments: str | Path, record: bool = True, trace: bool = False, **popen: Any) -> Run:
-        """Starts `godobject run` on this rig; it ends with the rig. arguments: further ones of `run`."""
+        """Starts `godobject run` on this rig; it ends with the rig. arguments: further ones of `run`.
+
+        record, trace: writes these files into the rig's folder; a scene without buses has no record.
+        """
         run = Run(self.scene.program, self.scene.path, [f"{name}={at}" for name, at in self.addresses.items()], self.folder,
-                  arguments, [f"{name}={port}" for name, port in self.trackers.items()], record, trace, **popen)
+                  arguments, [f"{name}={port}" for name, port in self.trackers.items()],
+                  record and bool(self.scene.buses), trace, **popen)
         self.programs.append(run)
         return run
 
@@ -199,6 +203,8 @@ class Rig:
             run = self.start_run(*arguments, record=record, trace=trace)
             if self.wait_until_enabled(run, timeout_s, marks):
                 return run
+            if not run.report_path.exists():
+                raise Refused(run.error_text().strip() or f"exit code {run.exit_code}", " ".join(run.command))
             if not run.was_starved():
                 break
         raise Ended(f"godobject run has ended:\n{run.error_text()}\n{run.fault_text()}", self.scene.path,
@@ -212,7 +218,7 @@ class Rig:
         """Waits until every CiA 402 drive is in operation enabled; returns False if the program ends by itself before.
 
         marks: frames before them do not count. A scene without such drives is ready with its first SYNC, one without
-        buses with the first status line of the run. Raises TimedOut after timeout_s, s.
+        buses with the first status line of the run, not with --quiet. Raises TimedOut after timeout_s, s.
         """
         drives = {(node.bus, node.node_id) for node in self.scene.drives if node.protocol in ("cia402", "canopen")}
         since = dict(marks or {})
@@ -314,7 +320,7 @@ class Rig:
         error_s = 0.0 if after.rig_s is not None else after.error_s + self.clock.error_s
         drives = [d for d in self.wait_until(t_s + within_s + for_s)["drives"] if joint in ("", d["joint"])]
         last = max(drives, key=lambda d: float(d["nonzero_at_s"]), default=None)
-        if last is None or last["nonzero_at_s"] < t_s - 1.0:
+        if last is None or not max(0.0, t_s - 1.0) < last["nonzero_at_s"]:  # 0: never
             raise Expected("no motor had torque in the second before it: this proves nothing", after.text,
                                "wait_for_torque() first")
         took_s = float(last["nonzero_at_s"]) - t_s
