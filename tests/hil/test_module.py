@@ -49,7 +49,7 @@ def test_clocks_agree(rig):
     delays_s = []
     for _ in range(5):  # the smallest delay, since a busy machine delays the listener
         mark = rig.bus.mark()
-        sent = rig.fault("emcy", at_place="turret", value=0x5000)
+        sent = rig.fault("emcy", joint="turret", value=0x5000)
         received = rig.bus.wait_for(lambda f: f.kind == hil.EMCY, 2, "the EMCY", mark)
         delays_s.append(received.time - sent.wall_s)
     assert -rig.clock.error_s <= min(delays_s) < rig.scene.step_s, delays_s
@@ -94,7 +94,7 @@ def test_every_verb_is_accepted(rig, program):
     assert len(verbs) > 15
     for verb, places in verbs:
         if "node" in places and "tool" not in places:
-            rig.fault(verb, at_place="turret")
+            rig.fault(verb, joint="turret")
         elif "bus" in places:
             rig.fault(verb, bus="can0")
     with hil.Rig(SOURCE / "sim/scenes/tracked.toml", program=program) as tracked:

@@ -20,7 +20,7 @@ def within(rig, detected_s):
 
 def test_unplug(rig, run):
     rig.wait_for_torque()
-    unplugged = rig.fault("unplug", at_place="elbow")
+    unplugged = rig.fault("unplug", joint="elbow")
     rig.assert_zero_torque(after=unplugged, within_s=within(rig, rig.scene.loss_s))
     run.wait_for_event(r"FAULT sample_stale \(can0 node 2, encoder of elbow\)", 1)
 
@@ -28,7 +28,7 @@ def test_unplug(rig, run):
 def test_rearm(rig):
     run = rig.run_enabled("--rearm", "auto")
     rig.wait_for_torque()
-    rig.fault("emcy", at_place="turret", value=0x5000)
+    rig.fault("emcy", joint="turret", value=0x5000)
     rig.wait_for_zero_torque(1)
     armed_s, _ = run.wait_for_event("ARMED again", 10)
     rig.wait_for_torque()
@@ -48,18 +48,18 @@ def test_limits(rig, run):
 
 def test_stale(rig, run):
     rig.wait_for_torque()
-    rig.fault("drop", at_place="elbow", duration=rig.scene.loss_s / 2)  # bridged
+    rig.fault("drop", joint="elbow", duration=rig.scene.loss_s / 2)  # bridged
     rig.wait_until(rig.status()["t_s"] + rig.scene.loss_s)
     assert run.running and not run.console()
     rig.wait_for_torque()
-    lost = rig.fault("drop", at_place="elbow")
+    lost = rig.fault("drop", joint="elbow")
     rig.assert_zero_torque(after=lost, within_s=within(rig, rig.scene.loss_s))
     run.wait_for_event("FAULT sample_stale", 1)
 
 
 def test_swapped_ids(rig, run):
     rig.wait_for_torque()
-    rig.fault("swap-ids", at_place="turret", value=rig.scene.node("elbow", "encoder").node_id)
+    rig.fault("swap-ids", joint="turret", value=rig.scene.node("elbow", "encoder").node_id)
     seen_s, text = run.wait_for_event("FAULT (sensors_disagree|sample_implausible)", 3)
     rig.wait_for_zero_torque(within(rig, 0) + 1)
     assert "of turret" in text or "of elbow" in text

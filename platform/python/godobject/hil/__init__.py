@@ -5,7 +5,7 @@
     with hil.Rig("my/needle-holder.toml") as rig:      # encoders, drives, mechanics and hand on pseudo-terminals
         run = rig.run_enabled()                        # godobject run, or rig.start([...]): a master of your own
         rig.wait_for_torque()
-        unplugged = rig.fault("unplug", at_place="roll")
+        unplugged = rig.fault("unplug", joint="roll")
         rig.assert_zero_torque(after=unplugged, within_s=0.2)
         run.wait_for_event("FAULT sample_stale", 1)
 

@@ -234,24 +234,28 @@ class Rig:
                 return all(states.get(drive) == "operation enabled" for drive in drives)
             return bool(states) or (not self.listeners and "\nt " in program.error_text())
 
-        wait_for(lambda: enabled() or not program.running, timeout_s, "every drive in operation enabled; their states: " +
-                 f"{sorted(drives)}, see frames_text()")
+        try:
+            wait_for(lambda: enabled() or not program.running, timeout_s, "every drive in operation enabled")
+        except TimedOut:
+            reached = ", ".join(f"{bus} node {node} {states.get((bus, node), 'silent')}" for bus, node in sorted(drives))
+            raise TimedOut(f"not enabled within {timeout_s:g} s: {reached}", program.name,
+                           "see error_text() of the program and frames_text() of the rig") from None
         return program.running
 
     # Faults and torque of a simulated rig
 
-    def fault(self, verb: str, *, at_place: str = "", bus: str = "", node: int | None = None, tracker: str = "",
+    def fault(self, verb: str, *, joint: str = "", bus: str = "", node: int | None = None, tracker: str = "",
               value: float | None = None, duration: float | None = None) -> Moment:
         """Injects a fault and returns its moment on the rig's clock.
 
         verb: one of drop, duplicate, delay, corrupt, stuck, spike, wrap, nan, reboot-node, emcy, bus-off, restart, unplug,
         id-collision, clock-drift, swap-ids, second-host, missing, disabled (docs/faults.md); or a whole line, such as
         "drop bus=can0 node=4 value=0.1". value: in the verb's unit. duration: s; None: to the end, or once.
-        at_place: joint, in place of bus and node: its encoder, else its drive. Raises Refused with the simulator's reason.
+        joint: its encoder, else its drive, in place of bus and node. Raises Refused with the simulator's reason.
         """
         words = [verb]
-        if at_place:
-            place = next((n for n in self.scene.nodes.values() if n.joint == at_place), None) or self.scene.node(at_place)
+        if joint:
+            place = next((n for n in self.scene.nodes.values() if n.joint == joint), None) or self.scene.node(joint)
             bus, node = place.bus, place.node_id
         given = {"bus": bus or None, "node": node, "tracker": tracker or None, "value": value, "duration": duration}
         words += [f"{key}={word}" for key, word in given.items() if word is not None]
@@ -345,9 +349,12 @@ class Rig:
                     return values[key]
         raise HilError(f"no frame with {key}", f"{node.bus} node {node.node_id}, {kind} of {joint}", "wait until it sends")
 
-    def frames_text(self, around_wall_s: float | None = None, before_s: float = 0.03, after_s: float = 0.05,
+    def frames_text(self, around_wall_s: float | None = None, before_s: float = 0.5, after_s: float = 0.5,
                     most: int = 60) -> str:
-        """Returns the decoded frames of all buses around a time of day, default: now; ms are relative to it."""
+        """Returns the decoded frames of all buses around a time of day, default: now; ms are relative to it.
+
+        most: number of frames, the nearest ones. before_s, after_s: bounds of their time, s.
+        """
         around = now() if around_wall_s is None else around_wall_s
         found = sorted((f for listener in self.listeners.values() for f in listener.between(around - before_s, around + after_s)),
                        key=lambda f: f.time)
