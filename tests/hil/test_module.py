@@ -159,6 +159,17 @@ def test_a_scene_with_an_error_is_refused_with_its_line(rig, tmp_path, program):
         hil.Rig(path, program=program)
 
 
+def test_buses_that_are_not_there_are_refused(scene, program):
+    with pytest.raises(hil.NotAvailable, match="socketcan:none0: (this machine has no AF_CAN|no interface none0)"):
+        hil.Rig(scene, program=program, buses={"can0": "none0"}, simulated=False)
+    with pytest.raises(hil.HilError, match=r"rig.toml: buses without an interface: \['can0'\], unknown ones: \['can7'\]"):
+        hil.Rig(scene, program=program, buses={"can7": "vcan0"})
+    with pytest.raises(hil.HilError, match="no kind of buses 'slcan'"):
+        hil.Rig(scene, program=program, buses="slcan")
+    with pytest.raises(hil.NotAvailable, match="exit code 3|none0"):
+        hil.Rig(scene, program=program, buses={"can0": "none0"})
+
+
 def test_programs_end_with_an_exception(scene, program):
     with pytest.raises(ZeroDivisionError), hil.Rig(scene, program=program) as rig:
         run = rig.start_run()
