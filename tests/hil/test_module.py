@@ -30,14 +30,18 @@ def test_every_frame_has_the_name_that_the_program_gives_it(rig, run, program):
     assert {message.name for message in messages} == expected
     assert all(message.values for message in messages if message.name != "SYNC")
     assert rig.value("state", "elbow") == "operation enabled"
+    units_are_those_of_the_scene(rig, run)
 
 
-def test_units_are_those_of_the_scene(rig, run):
+def units_are_those_of_the_scene(rig, run):
     command = rig.bus.wait_for(lambda f: f.kind == hil.RPDO1 and f.target_per_mille != 0, 5, "a torque")
-    run.stop()  # nodes then answer no SYNC: the last positions are of one SYNC
-    counts = [rig.value("position_rad", "elbow", kind) for kind in ("drive", "encoder")]
-    assert counts[0] == pytest.approx(counts[1], abs=1e-3)  # an encoder's count is 0.4 mrad
-    assert abs(counts[0]) < 0.31  # amplitude of the motion, rad
+    run.stop()  # nodes then answer no SYNC: the last positions, once they are read, are of one SYNC
+
+    def difference_rad():  # an encoder's count is 0.4 mrad
+        return abs(rig.value("position_rad", "elbow") - rig.value("position_rad", "elbow", "encoder"))
+
+    hil.wait_for(lambda: difference_rad() < 1e-3, 5, "equal positions of drive and encoder")
+    assert abs(rig.value("position_rad", "elbow")) < 0.31  # amplitude of the motion, rad
     assert rig.scene.decode(command).values["torque_Nm"] == pytest.approx(1e-4 * command.target_per_mille)
     with pytest.raises(hil.HilError, match="no drive of a joint 'wrist'.*\n.*turret, elbow"):
         rig.scene.node("wrist")
@@ -46,13 +50,14 @@ def test_units_are_those_of_the_scene(rig, run):
 def test_clocks_agree(rig):
     run = rig.run_enabled(trace=True)
     rig.wait_for_torque()
-    delays_s = []
+    delays_s, first = [], hil.now()
     for _ in range(5):  # the smallest delay, since a busy machine delays the listener
         mark = rig.bus.mark()
         sent = rig.fault("emcy", joint="turret", value=0x5000)
         received = rig.bus.wait_for(lambda f: f.kind == hil.EMCY, 2, "the EMCY", mark)
         delays_s.append(received.time - sent.wall_s)
-    assert -rig.clock.error_s <= min(delays_s) < rig.scene.step_s, delays_s
+    # A wrong clock would be off by the age of a program, 0.5 s or more.
+    assert -rig.clock.error_s <= min(delays_s) < 0.1, delays_s
     rig.wait_until(rig.status()["t_s"] + 0.2)
     run.stop()
     trace = hil.read_trace(run.trace_path)
@@ -61,19 +66,17 @@ def test_clocks_agree(rig):
     heard = [f.time for f in rig.bus.since(kind=hil.SYNC) if f.time >= record[0] - 1e-3]
     assert min(abs(a - b) for a, b in zip(record, heard)) < rig.scene.step_s
     t_event_s, _ = run.wait_for_event("FAULT emergency", 1)
-    assert abs(run.clock().to_wall(t_event_s) - sent.wall_s) < 2  # of the first of five EMCYs
+    assert first - rig.scene.step_s < run.clock().to_wall(t_event_s) < sent.wall_s + 0.1  # at the first of five EMCYs
 
 
 @pytest.mark.repeats_if_starved
-def test_torque_that_stays_is_late(rig, run):
+def test_an_expectation_of_zero_torque_can_fail(rig):
+    with pytest.raises(hil.Expected, match="proves nothing"):
+        rig.assert_zero_torque(after=hil.moment("nothing"), within_s=0.1, for_s=0)
+    rig.run_enabled()
     rig.wait_for_torque()
     with pytest.raises(hil.Late, match="had torque for .* ms, permitted are 1.0 ms"):
         rig.assert_zero_torque(after=hil.moment("nothing"), within_s=0.001)
-
-
-def test_a_motor_without_torque_proves_nothing(rig):
-    with pytest.raises(hil.Expected, match="proves nothing"):
-        rig.assert_zero_torque(after=hil.moment("nothing"), within_s=0.1, for_s=0)
 
 
 @pytest.mark.scene_with(*TWO_BUSES[0])
