@@ -4,6 +4,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import select
 import subprocess
 import tempfile
@@ -22,6 +23,8 @@ from .programs import Process, Run
 from .scene import Scene
 
 ATTEMPTS = 4  # of a start that a busy machine has stalled
+_ENABLED = ("operation enabled", "8")  # CiA 402; axis state of an ODrive
+_STATUS_LINE = re.compile(r"^t +\d", re.M)  # of a run, each second
 _ANSWER_S = 30.0  # for an answer of the simulator, which steps first
 
 
@@ -108,6 +111,8 @@ class Rig:
     def _open(self, buses: str | Mapping[str, str], simulated: bool, motion: str | Path | None,
               arguments: Sequence[str | Path]) -> dict[str, str]:
         words: list[str | Path] = [*arguments, *(["--motion", motion] if motion else [])]
+        if self.scene.buses and not self.scene.has_sync:
+            words.append("--start-now")  # the hand would wait for a SYNC
         if buses == "pty":
             if not simulated:
                 raise HilError("a real rig is on no pseudo-terminal", "buses", "give the interface of each bus by name")
@@ -215,12 +220,14 @@ class Rig:
         return {name: listener.mark() for name, listener in self.listeners.items()}
 
     def wait_until_enabled(self, program: Process, timeout_s: float = 15.0, marks: Mapping[str, int] | None = None) -> bool:
-        """Waits until every CiA 402 drive is in operation enabled; returns False if the program ends by itself before.
+        """Waits until every drive is enabled (CiA 402: operation enabled; ODrive: axis state 8); returns False if the program
+        ends by itself before.
 
-        marks: frames before them do not count. A scene without such drives is ready with its first SYNC, one without
-        buses with the first status line of the run, not with --quiet. Raises TimedOut after timeout_s, s.
+        marks: frames before them do not count. A scene without drives is ready with its first SYNC, one with moteus drives
+        or without SYNC with the first status line of the run, not with --quiet. Raises TimedOut after timeout_s, s.
         """
-        drives = {(node.bus, node.node_id) for node in self.scene.drives if node.protocol in ("cia402", "canopen")}
+        drives = {(node.bus, node.node_id) for node in self.scene.drives if node.protocol != "moteus"}
+        waits_for_line = not drives and not self.scene.has_sync or any(n.protocol == "moteus" for n in self.scene.drives)
         since = dict(marks or {})
         states: dict[tuple[str, int], str] = {}
 
@@ -228,11 +235,15 @@ class Rig:
             for name, listener in self.listeners.items():
                 new = listener.since(since.get(name, 0))
                 since[name] = since.get(name, 0) + len(new)
-                states.update({(name, f.node): f.drive_state for f in new if f.kind == frames.TPDO1 and len(f.data) == 8})
-                states.update({(name, 0): frames.SYNC for f in new if f.kind == frames.SYNC})
-            if drives:
-                return all(states.get(drive) == "operation enabled" for drive in drives)
-            return bool(states) or (not self.listeners and "\nt " in program.error_text())
+                for message in map(self.scene.decode, new):
+                    state = str(message.values.get("state", message.values.get("axis_state", "")))
+                    if message.node and message.node.kind == "drive" and state:
+                        states[name, message.node.node_id] = state
+                    elif message.name == "SYNC":
+                        states[name, 0] = message.name
+            if waits_for_line and not _STATUS_LINE.search(program.error_text()):
+                return False
+            return all(states.get(drive) in _ENABLED for drive in drives) and (bool(states) or waits_for_line)
 
         try:
             wait_for(lambda: enabled() or not program.running, timeout_s, "every drive in operation enabled")
@@ -342,11 +353,9 @@ class Rig:
     def value(self, key: str, joint: str, kind: str = "drive") -> float | int | str:
         """Returns the newest value of a joint's drive or encoder: "torque_Nm", "position_rad", "state", ... of decode()."""
         node = self.scene.node(joint, kind)
-        for frame in reversed(self.listeners[node.bus].frames):
-            if frame.node == node.node_id and frame.kind in (frames.TPDO1, frames.TPDO2):
-                values = self.scene.decode(frame).values
-                if key in values:
-                    return values[key]
+        for message in map(self.scene.decode, reversed(self.listeners[node.bus].frames)):
+            if message.node is node and key in message.values and not message.name.endswith("torque command"):
+                return message.values[key]
         raise HilError(f"no frame with {key}", f"{node.bus} node {node.node_id}, {kind} of {joint}", "wait until it sends")
 
     def frames_text(self, around_wall_s: float | None = None, before_s: float = 0.5, after_s: float = 0.5,

@@ -95,6 +95,8 @@ class Scene:
         self.trackers: list[str] = [tracker["name"] for tracker in device.get("tracker", [])]
         self._units = {joint["name"]: "m" if joint.get("kind") == "slider" else "rad" for joint in device.get("joint", [])}
         self.nodes: dict[tuple[str, int], Node] = {}
+        # Of the buses that have no CANopen.
+        self._protocols = {drive["bus"]: drive["protocol"] for drive in device.get("drive", []) if drive["protocol"] != "cia402"}
         for kind in ("encoder", "button", "drive"):
             for table in device.get(kind, []):
                 node = self._node(kind, table)
@@ -113,6 +115,11 @@ class Scene:
     def drives(self) -> list[Node]:
         """Drives, in the order of the scene."""
         return self._of_kind("drive")
+
+    @property
+    def has_sync(self) -> bool:
+        """True if its host sends SYNC: a bus has CANopen nodes."""
+        return bool(set(self.buses) - set(self._protocols))
 
     @property
     def encoders(self) -> list[Node]:
@@ -140,27 +147,43 @@ class Scene:
                    default=0.0)
 
     def decode(self, frame: Frame) -> Message:
-        """Returns the frame with names and units of the scene. Frames of ODrive and moteus stay without values."""
+        """Returns the frame with names and units of the scene. Frames of moteus stay without values."""
+        if protocol := self._protocols.get(frame.bus):
+            return self._decode_odrive(frame) if protocol == "odrive" else Message(frame, "", None, {})
         node = self.nodes.get((frame.bus, frame.node))
         owner = f"{node.joint} {node.kind}".strip() if node else f"node {frame.node}" if frame.node else ""
         if frame.node and frame.node == self.supervision.get("host_node_id"):
             owner = "host"
         data, kind = frame.data, frame.kind
-        canopen = node is None or node.protocol in ("cia402", "canopen")
         if kind == frames.SYNC:
             return Message(frame, "SYNC", None, {})
         if kind == frames.NMT:
             return Message(frame, "NMT " + (owner or "all nodes"), node, {"command": frame.nmt_command or data.hex()})
         if kind == frames.HEARTBEAT and data:
-            return Message(frame, f"{owner} heartbeat", node, {"state": frame.nmt_state or f"{data[0]:02X}"})
+            return Message(frame, f"{owner} heartbeat", node, {"nmt_state": frame.nmt_state or f"{data[0]:02X}"})
         if kind == frames.EMCY and len(data) == 8:
             return Message(frame, f"{owner} EMCY", node, {"error_code": frame.emcy_code})
-        if node is None or not canopen:
+        if node is None:
             return Message(frame, f"{owner} {kind}".strip() if kind != frames.OTHER else "", node, {})
         if node.kind == "drive":
             return Message(frame, f"{node.joint} {_DRIVE_NAMES.get(kind, kind)}", node, _drive_values(node, frame))
         return Message(frame, f"{node.joint} {'position' if kind == frames.TPDO1 else kind}".strip(), node,
                        _sensor_values(node, frame))
+
+    def _decode_odrive(self, frame: Frame) -> Message:
+        node = None if frame.extended else self.nodes.get((frame.bus, frame.id >> 5))
+        name, form, keys = _ODRIVE.get(frame.id & 0x1F, ("", "", ()))
+        if node is None or not name or len(frame.data) < struct.calcsize(form):
+            return Message(frame, "" if node is None else f"{node.joint} drive message", node, {})
+        return Message(frame, f"{node.joint} {name}", node, dict(zip(keys, struct.unpack_from(form, frame.data))))
+
+
+# ODrive, CAN Simple: name, layout and values of each message.
+_ODRIVE: dict[int, tuple[str, str, tuple[str, ...]]] = {
+    0x01: ("drive heartbeat", "<IB", ("error", "axis_state")),
+    0x09: ("encoder estimates", "<ff", ("position_turns", "velocity_turns_per_s")),
+    0x0E: ("torque command", "<f", ("torque_Nm",)),
+    0x1C: ("torques", "<ff", ("target_Nm", "torque_Nm"))}
 
 
 def changed_scene(path: str | Path, folder: str | Path, *changes: tuple[str, str]) -> str:
