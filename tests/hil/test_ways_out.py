@@ -14,6 +14,8 @@ import pytest
 
 from godobject import hil
 
+pytestmark = pytest.mark.repeats_if_starved
+
 SOURCE = Path(__file__).parents[2]
 STEP_S = 0.01  # step in rig.toml
 RATED_NM = 0.1

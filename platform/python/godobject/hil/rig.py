@@ -24,6 +24,7 @@ from .scene import Scene
 
 ATTEMPTS = 4  # of a start that a busy machine has stalled
 _ENABLED = ("operation enabled", "8")  # CiA 402; axis state of an ODrive
+_SILENCE_S = 0.15
 _STATUS_LINE = re.compile(r"^t +\d", re.M)  # of a run, each second
 _ANSWER_S = 30.0  # for an answer of the simulator, which steps first
 
@@ -375,7 +376,8 @@ class Rig:
     def starved_by(self) -> str:
         """Returns how a busy machine has disturbed the runs of this rig; empty if it has not.
 
-        A run reports missed deadlines, or a bus has SYNCs more than four periods apart.
+        A run reports missed deadlines, a bus has SYNCs more than four periods apart, or the simulated nodes, which send
+        heartbeats each 0.1 s, were silent for longer than 0.15 s.
         """
         found = []
         for run in self.runs:
@@ -384,10 +386,11 @@ class Rig:
                     if missed := run.missed_deadlines():
                         found.append(f"{missed} deadlines missed")
         for name, listener in self.listeners.items():
-            syncs = [f.time for f in listener.since(kind=frames.SYNC)]
-            gap = max((b - a for a, b in zip(syncs, syncs[1:])), default=0.0)
-            if gap > 4 * self.scene.step_s:
-                found.append(f"{1e3 * gap:.0f} ms without a SYNC on {name}")
+            for wanted, received, most_s in (("a SYNC", listener.since(kind=frames.SYNC), 4 * self.scene.step_s),
+                                             ("a frame", listener.frames, _SILENCE_S)):
+                gap_s = max((b.time - a.time for a, b in zip(received, received[1:])), default=0.0)
+                if gap_s > most_s and (self.is_simulated or wanted == "a SYNC"):
+                    found.append(f"{1e3 * gap_s:.0f} ms without {wanted} on {name}")
         return ", ".join(found)
 
     # End
