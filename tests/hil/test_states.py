@@ -3,6 +3,8 @@ import pytest
 
 from godobject import hil
 
+pytestmark = pytest.mark.repeats_if_starved
+
 ENCODERS, DRIVES = (1, 2), (11, 12)
 TO_ENABLED = ["switch on disabled", "ready to switch on", "switched on", "operation enabled"]
 

@@ -8,6 +8,8 @@ import pytest
 
 from godobject import hil
 
+pytestmark = pytest.mark.repeats_if_starved
+
 PERIOD_S = 10e-3  # step in rig.toml
 ENCODERS, DRIVES = (1, 2), (11, 12)
 
