@@ -2,13 +2,7 @@
 from __future__ import annotations
 
 import contextlib
-import json
-import os
-import re
-import select
-import subprocess
 import tempfile
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -16,64 +10,16 @@ from typing import Any
 
 from . import frames
 from .clocks import Clock, Moment, now
-from .errors import Ended, Expected, HilError, Late, NotAvailable, Refused, TimedOut
+from .errors import Ended, Expected, HilError, Late, NotAvailable, Refused
 from .frames import Frame
 from .ports import Listener, open_port, wait_for
 from .programs import Process, Run
+from .ready import wait_until_enabled
 from .scene import Scene
+from .simulator import Simulator
 
 ATTEMPTS = 4  # of a start that a busy machine has stalled
-_ENABLED = ("operation enabled", "8")  # CiA 402; axis state of an ODrive
 _SILENCE_S = 0.15
-_STATUS_LINE = re.compile(r"^t +\d", re.M)  # of a run, each second
-_ANSWER_S = 30.0  # for an answer of the simulator, which steps first
-
-
-class _Simulator(Process):
-    """`godobject simulate`, with commands on its standard input."""
-
-    def __init__(self, scene: Scene, arguments: Sequence[str | Path]) -> None:
-        super().__init__([scene.program, "simulate", scene.path, "--control", "-", *arguments], stdin=subprocess.PIPE,
-                         stdout=subprocess.PIPE, bufsize=0)
-        self.buses: dict[str, str] = {}
-        self.taps: dict[str, str] = {}
-        self.trackers: dict[str, str] = {}
-        self._text = b""
-        kinds = {"bus": self.buses, "tap": self.taps, "tracker": self.trackers}
-        try:
-            while (line := self._line()) != "ready":
-                kind, name, where = line.split(maxsplit=2)
-                kinds[kind][name.rstrip(":")] = where.split()[-1]
-        except BaseException:
-            self.close()
-            raise
-
-    def _line(self) -> str:
-        assert self.popen.stdout is not None
-        end = time.monotonic() + _ANSWER_S
-        while b"\n" not in self._text:
-            ready = select.select([self.popen.stdout], [], [], max(0.0, end - time.monotonic()))[0]
-            if not ready:
-                raise TimedOut(f"no answer within {_ANSWER_S:g} s", self.name, "see its standard error:\n" + self.error_text())
-            read = os.read(self.popen.stdout.fileno(), 65536)
-            if not read:
-                self.wait()
-                kind = NotAvailable if self.exit_code == 3 else Refused if self.exit_code == 2 else Ended
-                raise kind(self.error_text().strip() or f"exit code {self.exit_code}", " ".join(self.command))
-            self._text += read
-        line, _, self._text = self._text.partition(b"\n")
-        return line.decode().strip()
-
-    def command_line(self, line: str) -> dict[str, Any]:
-        assert self.popen.stdin is not None
-        try:
-            self.popen.stdin.write((line + "\n").encode())
-        except OSError:
-            raise Ended("the simulated rig has ended", self.name, "see its standard error:\n" + self.error_text()) from None
-        reply: dict[str, Any] = json.loads(self._line())
-        if not reply.get("ok"):
-            raise Refused(str(reply.get("error")), line, "verbs and keys: docs/faults.md")
-        return reply
 
 
 class Rig:
@@ -95,7 +41,7 @@ class Rig:
         try:
             self.folder = Path(folder) if folder else Path(self._resources.enter_context(
                 tempfile.TemporaryDirectory(prefix="godobject-rig-")))
-            self._simulator: _Simulator | None = None
+            self._simulator: Simulator | None = None
             self.addresses: dict[str, str] = {}
             self.trackers: dict[str, str] = {}
             listened = self._open(buses, simulated, motion, arguments)
@@ -136,8 +82,8 @@ class Rig:
             self._simulate([*words, *(word for name, at in self.addresses.items() for word in ("--bus", f"{name}={at}"))])
         return dict(self.addresses)
 
-    def _simulate(self, arguments: Sequence[str | Path]) -> _Simulator:
-        self._simulator = _Simulator(self.scene, arguments)
+    def _simulate(self, arguments: Sequence[str | Path]) -> Simulator:
+        self._simulator = Simulator(self.scene, arguments)
         self._resources.callback(self._simulator.close)
         self.trackers = self._simulator.trackers
         return self._simulator
@@ -152,7 +98,7 @@ class Rig:
         """The program that simulates the rig. Raises NotAvailable on a real one."""
         return self._simulation()
 
-    def _simulation(self) -> _Simulator:
+    def _simulation(self) -> Simulator:
         if self._simulator is None:
             raise NotAvailable("plays faults and measures torque: only on a simulated rig", self.scene.path)
         return self._simulator
@@ -227,31 +173,7 @@ class Rig:
         marks: frames before them do not count. A scene without drives is ready with its first SYNC, one with moteus drives
         or without SYNC with the first status line of the run, not with --quiet. Raises TimedOut after timeout_s, s.
         """
-        drives = {(node.bus, node.node_id) for node in self.scene.drives if node.protocol != "moteus"}
-        waits_for_line = not drives and not self.scene.has_sync or any(n.protocol == "moteus" for n in self.scene.drives)
-        since = dict(marks or {})
-        states: dict[tuple[str, int], str] = {}
-
-        def enabled() -> bool:
-            for name, listener in self.listeners.items():
-                new = listener.since(since.get(name, 0))
-                since[name] = since.get(name, 0) + len(new)
-                for message in map(self.scene.decode, new):
-                    state = str(message.values.get("state", message.values.get("axis_state", "")))
-                    if message.node and message.node.kind == "drive" and state:
-                        states[name, message.node.node_id] = state
-                    elif message.name == "SYNC":
-                        states[name, 0] = message.name
-            if waits_for_line and not _STATUS_LINE.search(program.error_text()):
-                return False
-            return all(states.get(drive) in _ENABLED for drive in drives) and (bool(states) or waits_for_line)
-
-        try:
-            wait_for(lambda: enabled() or not program.running, timeout_s, "every drive in operation enabled")
-        except TimedOut:
-            reached = ", ".join(f"{bus} node {node} {states.get((bus, node), 'silent')}" for bus, node in sorted(drives))
-            raise TimedOut(f"not enabled within {timeout_s:g} s: {reached}", program.name,
-                           "see error_text() of the program and frames_text() of the rig") from None
+        wait_until_enabled(self.scene, self.listeners, program, timeout_s, marks or {})
         return program.running
 
     # Faults and torque of a simulated rig
