@@ -2,9 +2,10 @@
 
 Fixtures: `rig` (Rig of the scene), `run` (`godobject run` on it with every drive enabled), `bus` (listener on its first
 bus), `program`, `scene` and `motion` (paths; override them in a module), `tier`.
-Markers: `scene_with(old, new)`: the scene with a text replaced, one marker for each. `vcan`: on vcan0, vcan1, ...; skipped with the reason where there is no AF_CAN. `repeats_if_starved`: runs again,
-four times at most, if it failed while a busy machine stalled the run. `simulated`: skipped on hardware, where nothing
-plays faults, before anything starts.
+Markers: `scene_with(old, new)`: the scene with a text replaced, one marker for each. `vcan`: on vcan0, vcan1, ...;
+skipped with the reason where there is no AF_CAN. `repeats_if_starved`: runs again, four times at most, if it failed
+while a busy machine stalled the run. `simulated`: skipped on hardware, where nothing plays faults, before anything
+starts.
 A failed test shows the decoded frames around the failure and the standard error of each run.
 """
 from __future__ import annotations
