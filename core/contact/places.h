@@ -58,7 +58,7 @@ class GroupPlaces {
 template <std::size_t max_spheres, std::size_t max_surfaces>
 Real rolling_radius(const ContactParams<max_spheres, max_surfaces>& par, const NearContact& near) noexcept {
   if (near.of < max_surfaces) {
-    const Real a = par.surfaces[near.of].shape.radius, b = par.surfaces[near.on].shape.radius;
+    const Real a = round_radius(par.surfaces[near.of].shape), b = round_radius(par.surfaces[near.on].shape);
     return a > 0 && b > 0 ? (a - b) / 2 : a - b;
   }
   const Real radius = par.spheres[near.of - max_surfaces].radius;

@@ -33,6 +33,11 @@ inline Real half_thickness(const ShapeParams& shape) noexcept {
   return is_carried(shape.kind) ? shape.radius : std::numeric_limits<Real>::infinity();
 }
 
+/// Returns the radius of a ball or capsule, m; 0 of other kinds.
+inline Real round_radius(const ShapeParams& shape) noexcept {
+  return shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::capsule ? shape.radius : 0;
+}
+
 /// Returns point j of a shape. thinnest: half thickness of the shape, or less for the ball in a corner, m.
 inline ShapePoint point_of(const ShapeParams& shape, std::uint32_t j, Real thinnest) noexcept {
   if (shape.kind == ShapeKind::sphere) return {.r = shape.radius};

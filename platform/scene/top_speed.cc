@@ -151,8 +151,8 @@ class Search {
     if (a.body == world || (!on_world && (b.body < a.body || tools_[a.body] == tools_[b.body]))) return;
     if (!is_carried(b.shape.kind) || is_prescribed(a.body) || (!on_world && is_prescribed(b.body))) return;
     if (!on_world && a.shape.kind == ShapeKind::box && b.shape.kind == ShapeKind::box) return;  // of_boxes()
-    const double depth =
-        std::min(a.shape.radius + half_thickness(b.shape), b.shape.radius + half_thickness(a.shape));
+    const double depth = std::min(round_radius(a.shape) + half_thickness(b.shape),
+                                  round_radius(b.shape) + half_thickness(a.shape));
     const Springs springs = springs_between(a.body, b.body, contacts_.laws[a.material][b.material].k);
     keep({.what = contacts_.surface_names[s] + " and " + contacts_.surface_names[o],
           .travel = depth / scene_.step,

@@ -71,7 +71,7 @@ void find_on_axes(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uin
                   std::uint32_t q, std::uint64_t key, NearContacts<Contacts::max_contacts>& near) noexcept {
   const PlacedShape &of = w.placed[o], &on = w.placed[q];
   const bool is_of_box = of.kind() == ShapeKind::box;
-  const Real least = contact_reach * std::max(of.radius(), on.radius()),
+  const Real least = contact_reach * std::max(round_radius(of.in_world()), round_radius(on.in_world())),
              reach = least + w.owned[a].travel + (b < N ? w.owned[b].travel : 0);
   const Real round = ball_round(of) + ball_round(on) + reach;
   if ((of.p_W() - on.p_W()).squaredNorm() > round * round) return;

@@ -34,7 +34,7 @@ NearContact contact_of(const TouchingBall& ball, const PlacedShape& shape, std::
                  .d = d,
                  .p_W = ball.is_corner ? Vec3(ball.p_W + ball.tip_W) : Vec3(ball.p_W - from_centre * seen.n),
                  .n_W = seen.n};
-  if (is_point && !ball.is_corner && shape.radius() > 0) at.p_W += d / 2 * seen.n;
+  if (is_point && !ball.is_corner && round_radius(shape.in_world()) > 0) at.p_W += d / 2 * seen.n;
   if (ball.body < N) return at;
   std::swap(at.of, at.on);
   std::swap(at.a, at.b);
