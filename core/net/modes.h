@@ -70,7 +70,7 @@ void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
     const Pack F_n = max(F_before + (c.F_0 - c.eta_n * v_n - F_before) / stiffer, Pack(0));
     const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.active;
     const Pack speed = speed_of(s);
-    c.eta_t = c.active * friction(c, speed, F_n);
+    c.eta_t = c.active * friction<Pack>(c, speed, F_n);
     if (w.par->max_iterations == 1) continue;
     set_tangents(c, s, speed, F_n);
     c.eta_t = select(c.eta_t < c.max_eta_t, Pack(0), c.eta_t);
