@@ -178,19 +178,10 @@ void begin_contacts(const typename Contacts::Params& par, std::size_t num_bodies
   std::uint32_t packs = 0;
   Pack found = 0;
   if constexpr (checks_penetration_jumps<Contacts>) w.penetration_jumps = false;
-  const auto begin = [&](const NearGroup& group, auto& of) noexcept {
-    of.first_pack = packs;
-    of.end_pack = packs = begin_group(par, group, h, packs, recall, found, w);
-  };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
-    const NearGroup& group = w.groups[g];
-    if (group.pair == NearGroup::no_pair) begin(group, w.graph.bodies[w.near.list[group.first].a]);
-    if constexpr (Contacts::between_bodies) {
-      if (group.pair == NearGroup::no_pair) continue;
-      TouchingPair& pair = w.graph.pairs[group.pair];
-      pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
-      begin(group, pair);
-    }
+    TouchingContacts& of = contacts_of(w.groups[g], w);
+    of.first_pack = packs;
+    of.end_pack = packs = begin_group(par, w.groups[g], h, packs, recall, found, w);
   }
   w.report.found += total(found);
 }
