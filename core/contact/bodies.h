@@ -146,9 +146,6 @@ struct SolverLimits {
   }
 };
 
-/// Returns a residual as a share of the largest normal force; zero without contact forces.
-inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residual / F_n : 0; }
-
 /// Stores the residual impulses on the bodies of an island that neither contacts nor joints carry.
 template <class Contacts, std::size_t N>
 void store_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
@@ -225,7 +222,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
   }
   w.report.num_without_room += w.system.is_complete ? 0 : 1;
   w.report.residual = std::max(w.report.residual, residual);
-  w.report.residual_share = std::max(w.report.residual_share, share_of(residual, most.F_n()));
+  if (most.F_n() > 0) w.report.residual_share = std::max(w.report.residual_share, residual / most.F_n());
   w.report.num_stopped += done ? 0 : 1;
   w.report.newton_iterations = std::max(w.report.newton_iterations, newton_iterations);
   w.report.iterations = std::max(w.report.iterations, iterations);

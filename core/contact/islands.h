@@ -18,8 +18,8 @@ struct TouchingContacts {
   SpatialVector F;
 };
 
-/// Pair of bodies in contact. A and F are for the twist of the child against the parent, at the child's centre
-/// of mass.
+/// Pair of bodies in contact. A and F are for the twist of the child against the parent, at the child's
+/// centre of mass.
 struct TouchingPair : TouchingContacts {
   std::uint32_t child = 0, parent = 0;
   bool is_deep = false;     // true if some contact is deep at the predicted places
