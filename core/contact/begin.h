@@ -136,11 +136,13 @@ void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack
   }
 }
 
-/// Linearises a group of near contacts (24), four to a pack, from pack `first` on.
+/// Linearises a group of near contacts (24), four to a pack, from pack `first` on. Not inlined: in
+/// begin_contacts() its loop takes more instructions.
 template <class Contacts, std::size_t N>
-std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
-                          std::uint32_t first, Recall<Contacts::max_contacts>& recall, Pack& found,
-                          BodyContactScratch<Contacts, N>& w) noexcept {
+[[gnu::noinline]] std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group,
+                                            Real h, std::uint32_t first,
+                                            Recall<Contacts::max_contacts>& recall, Pack& found,
+                                            BodyContactScratch<Contacts, N>& w) noexcept {
   const NearContact& one = w.near.list[group.first];
   const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
