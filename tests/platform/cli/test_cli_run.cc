@@ -302,7 +302,7 @@ TEST_F(CliRun, EveryShippedSceneRuns) {
   }
 }
 
-/// A cycle takes 1.5 ms under ThreadSanitizer, and 5 ms on a busy machine: the period of 10 ms leaves a margin.
+/// A cycle takes 1.5 ms under ThreadSanitizer, 5 ms on a busy machine: the period of 10 ms leaves a margin.
 TEST_F(CliRun, RealtimeGivesTheStatesOfFast) {
   const std::string slow = rigid + " --step 0.01 --duration 1";
   ASSERT_EQ(run("fast", slow + " --fast").exit_code, 0);
