@@ -169,10 +169,15 @@ template <class T>
 FrictionOf<T> friction_of(const StageLawOf<T>& law) noexcept {
   return {.mu = law.mu, .max_eta_t = law.max_eta_t};
 }
+/// Returns the friction of a slipping contact point, N.
+template <class T>
+T slipping_friction(const FrictionOf<T>& law, const T& F_n) noexcept {
+  return law.mu * F_n;
+}
 /// Returns eta_t of (24) at a slip speed.
 template <class T>
 T friction(const FrictionOf<T>& law, const T& speed, const T& F_n) noexcept {
-  return min(law.mu * F_n / speed, law.max_eta_t);
+  return min(slipping_friction(law, F_n) / speed, law.max_eta_t);
 }
 
 /// Spring and damper of a sticking contact point (23) in a stage.

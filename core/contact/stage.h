@@ -101,7 +101,7 @@ inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& spe
                          const Pack& F_n) noexcept {
   const Pack slips = select(c.eta_t < c.max_eta_t, Pack(1), Pack(0));
   c.u = s * (slips / speed);
-  c.f_slip = slips * c.mu * F_n;
+  c.f_slip = slips * slipping_friction<Pack>(c, F_n);
 }
 
 /// True if friction linearised along the slip does work on one of the contacts.

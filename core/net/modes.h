@@ -39,7 +39,7 @@ template <class Net, std::size_t N>
 auto predicted_slip(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {
   return [=, &w](const ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
     const Pack give = compliance(pack, s * (1 / speed), c.eta_t * h, h, w);
-    return above_zero(speed + give * (c.eta_t * speed + c.f_slip - c.mu * F_n));
+    return above_zero(speed + give * (c.eta_t * speed + c.f_slip - slipping_friction<Pack>(c, F_n)));
   };
 }
 

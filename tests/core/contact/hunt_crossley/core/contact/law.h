@@ -99,8 +99,12 @@ T spring_energy_change(const StageLawOf<T>& law, const T& before, const T& now) 
 /// No friction.
 template <class T>
 struct FrictionOf {
-  T mu = 0, max_eta_t = 0;
+  T max_eta_t = 0;
 };
+template <class T>
+T slipping_friction(const FrictionOf<T>&, const T&) noexcept {
+  return 0;
+}
 template <class T>
 FrictionOf<T> friction_of(const StageLawOf<T>&) noexcept {
   return {};
