@@ -89,6 +89,12 @@ inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
 inline constexpr Real same_normal = 0.995;
 /// Sine of the angle between edges below which they count as parallel.
 inline constexpr Real min_edge_sine = 0.01;
+/// Share of the half thickness of the thinner shape: radius of the ball in the corner of a box. It selects
+/// the face that the corner meets. bodies/test_shapes_meet.cc.
+inline constexpr Real corner_ball = 0.1;
+/// Relative tolerance of the radius of a sphere that rounds a corner or an end. Numbers in a file are
+/// rounded.
+inline constexpr Real rounding_tolerance = 1e-3;
 
 /// Smallest angle between the normals of two contacts of a sphere with a mesh or height field, rad. One
 /// degree: edges of nearly flat surfaces are not felt. tests/core/contact/test_valleys.cc.

@@ -28,6 +28,8 @@ struct Surface {
   std::size_t body = world;
   ShapeParams shape;  // X_WS: pose on the body, or in the world without a body
   MaterialId material = 0;
+  // bit j is set if a sphere of its body rounds its point j (core/shape/points.h) and touches instead of it
+  std::uint8_t rounded = 0;
 };
 
 /// Parameters, constant during a run. Spheres are in the order of their bodies; so are surfaces, those of the

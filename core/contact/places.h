@@ -53,11 +53,14 @@ class GroupPlaces {
   const TreePlace *first_ = nullptr, *other_ = nullptr;
 };
 
-/// Returns the radius that rolls in a contact (51): that of the touching sphere. Of two spheres half the
-/// difference, so that the order of their bodies does not matter.
+/// Returns the radius that rolls in a contact (51): that of the touching sphere. Of two spheres or
+/// round shapes half the difference, so that the order of their bodies does not matter. Boxes do not roll.
 template <std::size_t max_spheres, std::size_t max_surfaces>
 Real rolling_radius(const ContactParams<max_spheres, max_surfaces>& par, const NearContact& near) noexcept {
-  if (near.of < max_surfaces) return 0;
+  if (near.of < max_surfaces) {
+    const Real a = round_radius(par.surfaces[near.of].shape), b = round_radius(par.surfaces[near.on].shape);
+    return a > 0 && b > 0 ? (a - b) / 2 : a - b;
+  }
   const Real radius = par.spheres[near.of - max_surfaces].radius;
   return near.on < max_surfaces ? radius : (radius - par.spheres[near.on - max_surfaces].radius) / 2;
 }

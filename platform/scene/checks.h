@@ -31,35 +31,18 @@ std::string doubt_of_density(double surface_density, double thickness);
 /// mesh: in m, with the file's scale applied; owner: "obstacle 'liver'".
 std::string doubt_of_size(const MeshData& mesh, const std::string& owner);
 
-// Shapes that touch others only with the spheres of their body, so that narrower solids pass between these at
-// any speed.
+// Shapes that touch meshes and height fields only with their corners and ends, and the spheres of their body.
+// Narrower parts of a mesh pass between these at any speed.
 //
-// A shape is touched by spheres and nodes of nets. Boxes of two bodies also touch at their edges. No other
-// shapes are compared (core/contact/find/find.h). So a body with shapes misses
-//
-//   obstacles other than planes, unless one of its spheres contains the shape;
-//   planes, unless a sphere is set at each corner and end of the shape;
-//   shapes of other bodies, unless a sphere contains one of the two, or both are boxes with all corners
-//   covered.
+// Balls, capsules and boxes meet each other and planes at every place (core/contact/find/find.h).
 
-/// Cover of a body's shapes by its spheres.
-enum class ShapeCover : std::uint8_t {
-  none,
-  tips,   // a sphere is set at each corner of a box and each end of a capsule
-  whole,  // each shape is within a sphere, or there are no shapes
-};
+/// True if a body touches an obstacle of this kind at every place of its shapes. A mesh or height field it
+/// so touches if each shape is a ball or within a sphere of the body.
+bool meets_obstacle(const BodyConfig& body, ShapeKind obstacle);
 
-ShapeCover shape_cover(const BodyConfig& body);
-
-/// True if a body with this cover touches an obstacle of this kind at every place of its shapes.
-bool meets_obstacle(ShapeCover cover, ShapeKind obstacle);
-
-/// True if two bodies that may touch do so at every place of their shapes.
-bool meet_each_other(const BodyConfig& a, const BodyConfig& b);
-
-/// A body whose shapes touch others only with spheres, and the first of the others.
+/// A body whose shapes touch meshes only with corners, ends and spheres, and the first of the meshes.
 struct SpheresAlone {
-  std::string body, other;     // names: "tray", "obstacle 'post'"
+  std::string body, other;     // names: "tray", "obstacle 'liver'"
   std::size_t num_others = 0;  // number of the others
 };
 std::vector<SpheresAlone> spheres_alone(const SceneConfig& scene);

@@ -24,7 +24,11 @@
 // the contact at less than r + T: x_H < (r + T) (1 + k / k_c). A prescribed body, placed at its target
 // in every step, is stopped by nothing. Only the travel bounds it, and only against bodies that it can push.
 //
-// Not included: shapes that touch others only with spheres (spheres_alone()), and nodes of nets.
+// Points of a shape, its corners, ends or centre, touch as spheres do, those of a corner with r = 0:
+//
+//   shapes:  r_a + T_b and r_b + T_a, whichever is less, in place of r + T
+//
+// Not included: shapes against meshes (spheres_alone()), and nodes of nets.
 // Obstacles stop nodes at any speed. But the carrier and other nodes pull them on by springs, with a force
 // that depends on the deformation of the whole net.
 #include "platform/scene/checks.h"
@@ -57,7 +61,7 @@ double way_to(const Vec3& p, const Vec3& d, const Corners& t) {
 }
 
 /// Returns T for a sphere of radius r.
-double half_thickness(const ShapeParams& shape, double r) {
+double half_thickness_at(const ShapeParams& shape, double r) {
   switch (shape.kind) {
     case ShapeKind::box: return shape.half_extents.minCoeff();
     case ShapeKind::sphere:
@@ -93,7 +97,6 @@ class Search {
         contacts_(scene_contacts(scene)),
         tools_(tools_of(scene)),
         sums_(tool_sums(scene, tools_)) {
-    for (const BodyConfig& body : scene.bodies) covers_.push_back(shape_cover(body));
     for (const std::unique_ptr<MeshSolid>& solid : contacts_.meshes)
       if (solid) thinnest_.emplace_back(&solid->mesh(), thinnest(solid->data()));
   }
@@ -106,6 +109,8 @@ class Search {
     for (const Surface& a : contacts_.surfaces)
       for (const Surface& b : contacts_.surfaces)
         if (a.body < b.body && b.body != world) of_boxes(a, b);
+    for (std::size_t a = 0; a < contacts_.surfaces.size(); ++a)
+      for (std::size_t b = 0; b < contacts_.surfaces.size(); ++b) of_points(a, b);
     return slowest_;
   }
 
@@ -113,7 +118,7 @@ class Search {
   void against_surface(const BodySphere& sphere, std::size_t s) {
     const Surface& surface = contacts_.surfaces[s];
     if (!meets(sphere.body, surface)) return;
-    double T = half_thickness(surface.shape, sphere.radius);
+    double T = half_thickness_at(surface.shape, sphere.radius);
     for (const auto& [mesh, thickness] : thinnest_)
       if (surface.shape.mesh == mesh) T = std::min(T, thickness / 2);
     take(sphere, surface.material, surface.body, T, contacts_.surface_names[s]);
@@ -139,9 +144,25 @@ class Search {
           .hand = springs.hand_within(sunk_depth * T)});
   }
 
-  /// True if a body may touch a surface, except an obstacle that its shapes touch only with spheres.
+  /// Bounds the speed of two shapes, of a body and of another or the world, whose points touch.
+  void of_points(std::size_t s, std::size_t o) {
+    const Surface &a = contacts_.surfaces[s], &b = contacts_.surfaces[o];
+    const bool on_world = b.body == world;
+    if (a.body == world || (!on_world && (b.body < a.body || tools_[a.body] == tools_[b.body]))) return;
+    if (!is_carried(b.shape.kind) || is_prescribed(a.body) || (!on_world && is_prescribed(b.body))) return;
+    if (!on_world && a.shape.kind == ShapeKind::box && b.shape.kind == ShapeKind::box) return;  // of_boxes()
+    const double depth = std::min(round_radius(a.shape) + half_thickness(b.shape),
+                                  round_radius(b.shape) + half_thickness(a.shape));
+    const Springs springs = springs_between(a.body, b.body, contacts_.laws[a.material][b.material].k);
+    keep({.what = contacts_.surface_names[s] + " and " + contacts_.surface_names[o],
+          .travel = depth / scene_.step,
+          .energy = springs.speed_within(depth),
+          .hand = springs.hand_within(depth)});
+  }
+
+  /// True if a body may touch a surface, except an obstacle that parts of its shapes do not touch.
   bool meets(std::size_t body, const Surface& surface) const {
-    if (surface.body == world) return meets_obstacle(covers_[body], surface.shape.kind);
+    if (surface.body == world) return meets_obstacle(scene_.bodies[body], surface.shape.kind);
     return tools_[surface.body] != tools_[body];
   }
 
@@ -203,7 +224,6 @@ class Search {
   SceneContacts contacts_;
   std::vector<std::size_t> tools_;
   std::vector<ToolSums> sums_;
-  std::vector<ShapeCover> covers_;  // cover of each body
   std::vector<std::pair<const TriangleMesh*, double>> thinnest_;
   std::optional<SpeedBound> slowest_;
 };
@@ -230,8 +250,8 @@ double thinnest(const MeshData& mesh) {
 const char* what_does_not_pass(const SceneConfig& scene) {
   const bool nets = !scene.nets.empty();
   if (spheres_alone(scene).empty()) return nets ? "nothing (nodes of nets excepted)" : "nothing";
-  return nets ? "nothing (nodes of nets and shapes that touch others only with spheres excepted)"
-              : "nothing (shapes that touch others only with spheres excepted)";
+  return nets ? "nothing (nodes of nets and shapes against meshes excepted)"
+              : "nothing (shapes against meshes excepted)";
 }
 
 std::string top_speed_text(const SceneConfig& scene) {
@@ -240,7 +260,7 @@ std::string top_speed_text(const SceneConfig& scene) {
     const std::vector<SpheresAlone> alone = spheres_alone(scene);
     if (alone.empty()) return "";
     return "not bounded: the shape of body '" + alone[0].body + "' touches " + alone[0].other +
-           " only with its spheres";
+           " only with its corners, ends and spheres";
   }
   if (std::isinf(bound->top())) return "no limit: only planes can be touched, and they have no other side";
   std::array<char, 32> top{};

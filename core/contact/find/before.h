@@ -63,7 +63,9 @@ class RecallDeepPairs {
       deep.pushed_W += (is_of_second(m.key) ? -1 : 1) * m.F_n * m.n_W.vec();
       if (is_of_edges(m.key)) continue;
       if (is_of_sinking(m.key)) deep.axis = static_cast<std::uint32_t>(m.key) & ((1u << 30) - 1);
-      else deep.spheres |= m.e > contact_reach * par_.spheres[sphere_of(m.key)].radius;
+      else if (const std::uint32_t s = sphere_of(m.key);
+               s < par_.num_spheres)  // otherwise a point of a shape
+        deep.spheres |= m.e > contact_reach * par_.spheres[s].radius;
     }
     return deep;
   }
@@ -84,14 +86,15 @@ const ContactMemory* memory_of(std::uint64_t key, const ContactMemories<max_cont
 }
 
 /// Returns the face of a box nearest to a point p that is or was inside it. The face that carried the contact
-/// force in the previous step takes precedence.
+/// force in the previous step takes precedence. side: 1 if the contact's normal is off the box, -1 if it is
+/// off the point.
 template <std::size_t max_contacts>
 SurfacePoint behind_face_before(std::uint64_t key, const ContactMemories<max_contacts>& before,
-                                const PlacedShape& box, const Vec3& p_W,
-                                const SurfacePoint& nearest) noexcept {
+                                const PlacedShape& box, const Vec3& p_W, const SurfacePoint& nearest,
+                                Real side = 1) noexcept {
   const ContactMemory* const at = memory_of(key, before);
   if (at == nullptr) return nearest;
-  const Vec3 n_S = face_along(box.R_WS(), at->n_W.vec()), n_W = box.R_WS() * n_S;
+  const Vec3 n_S = face_along(box.R_WS(), side * at->n_W.vec()), n_W = box.R_WS() * n_S;
   return {.distance = n_W.dot(p_W - box.p_W()) - box.half_extents().dot(n_S.cwiseAbs()), .n = n_W};
 }
 

@@ -52,6 +52,7 @@ ExitDirection exit_direction(const ContactFinder<Contacts, N>& w, std::uint32_t 
   const Real least_along = same_contact * pushed_W.norm();
   const auto& owned = w.owned[body];
   const SpherePack* const packs = w.packs.data() + owned.first_pack;
+  if (owned.num_packs() == 0) return shortest;
   for (std::uint32_t o = first; o < end; ++o) {
     for (int face = 0; face < 6 && w.placed[o].kind() == ShapeKind::box; ++face) {
       const Vec3 n_W = face_normal(w.placed[o], face);

@@ -1,12 +1,15 @@
 // Search for contacts: spheres of bodies near each other, near shapes on other bodies, and near the world.
+// Points, edges and axes of shapes near shapes of others.
 //
 // Spheres of other bodies touch a body at its shapes, or at its spheres if it has no shapes. Contact points
 // of two spheres or edges lie midway between them, so that the order of bodies does not matter. Bodies of one
 // tree of joints do not touch each other. Bound: that of the broad phase. For each pair of bodies with
 // overlapping boxes, a query for each sphere in the other's box. For each body and surface of the world, a
-// test of nearness per four spheres, and a query for each near one.
+// test of nearness per four spheres, and a query for each near one. For shapes: on_points.h, edges.h, axes.h.
 #pragma once
 
+#include "core/contact/find/axes.h"
+#include "core/contact/find/on_points.h"
 #include "core/contact/find/on_surfaces.h"
 
 namespace godobject {
@@ -61,8 +64,35 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
   return BoxesAre::deep;
 }
 
-/// Finds crossings of the boxes of body a with the boxes [first, end) of body b, or the world. Returns true
-/// if two boxes are sunk.
+/// Finds crossings of the axis of a capsule with the axis of another or with edges of a box. o: surface of
+/// body a. q: surface of body b, or of the world.
+template <class Contacts, std::size_t N>
+void find_on_axes(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o, std::uint32_t b,
+                  std::uint32_t q, std::uint64_t key, NearContacts<Contacts::max_contacts>& near) noexcept {
+  const PlacedShape &of = w.placed[o], &on = w.placed[q];
+  const bool is_of_box = of.kind() == ShapeKind::box;
+  const Real least = contact_reach * std::max(round_radius(of.in_world()), round_radius(on.in_world())),
+             reach = least + w.owned[a].travel + (b < N ? w.owned[b].travel : 0);
+  const Real round = ball_round(of) + ball_round(on) + reach;
+  if ((of.p_W() - on.p_W()).squaredNorm() > round * round) return;
+  const auto add = [&](std::uint32_t number, Real d, const Vec3& p_W, const Vec3& n_W) noexcept {
+    if (d <= -reach) return;
+    add_near(w, {.key = key | number, .of = o, .on = q, .a = a, .b = b, .d = d, .p_W = p_W, .n_W = n_W},
+             least, near);
+  };
+  if (is_of_box) {
+    each_axis_on_edges(on, of, [&](std::uint32_t number, Real d, const Vec3& p_W, const Vec3& n_W) noexcept {
+      add(number, d, p_W, -n_W);
+    });
+  } else if (on.kind() == ShapeKind::box) {
+    each_axis_on_edges(of, on, add);
+  } else {
+    each_axis_crossing(of, on, memory_of(key, *w.before), add);
+  }
+}
+
+/// Finds crossings of the boxes and capsules of body a with those among [first, end) of body b, or the world.
+/// Returns true if two boxes are sunk.
 template <class Contacts, std::size_t N>
 bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                    std::uint32_t first, std::uint32_t end,
@@ -71,9 +101,12 @@ bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::ui
   bool are_sunk = false;
   for (std::uint32_t o = on_a.first_surface; o < on_a.end_surface; ++o) {
     for (std::uint32_t q = first; q < end; ++q) {
-      if (w.placed[o].kind() != ShapeKind::box || w.placed[q].kind() != ShapeKind::box) continue;
+      const ShapeKind of = w.placed[o].kind(), on = w.placed[q].kind();
+      if (!has_edges(of) || !has_edges(on)) continue;
       const std::uint64_t key = pair | edges_key(o - on_a.first_surface, q - first, 0);
-      are_sunk |= find_crossings(w, a, o, b, q, key, near) == BoxesAre::sunk;
+      if (of == ShapeKind::box && on == ShapeKind::box)
+        are_sunk |= find_crossings(w, a, o, b, q, key, near) == BoxesAre::sunk;
+      else find_on_axes(w, a, o, b, q, key, near);
     }
   }
   return are_sunk;
@@ -107,10 +140,22 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
            find_on_surfaces(w, b, a, pair | of_second, on_a.first_surface, on_a.end_surface, b_leaves, near);
   };
   const std::size_t before = near.size;
+  Vec3 a_leaves, b_leaves;
+  bool are_deep = false;
   if (were_deep.spheres || find(nullptr, nullptr)) {
     near.forget_from(before);
-    const Vec3 a_leaves = separation_direction(w, a, b, were_deep.pushed_W), b_leaves = -a_leaves;
+    a_leaves = separation_direction(w, a, b, were_deep.pushed_W);
+    b_leaves = -a_leaves;
+    are_deep = true;
     find(&a_leaves, &b_leaves);
+  }
+  if (on_a.has_surfaces() && on_b.has_surfaces()) {
+    if (on_a.has_points)
+      find_on_points(w, a, on_a.first_surface, on_a.end_surface, b, on_b.first_surface, on_b.end_surface,
+                     pair, true, are_deep ? &a_leaves : nullptr, near);
+    if (on_b.has_points)
+      find_on_points(w, b, on_b.first_surface, on_b.end_surface, a, on_a.first_surface, on_a.end_surface,
+                     pair | of_second, false, are_deep ? &b_leaves : nullptr, near);
   }
   if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
   // a soft law explains this depth: its springs store the work, so these contacts are kept
@@ -175,8 +220,18 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
         else find_on_spheres(w, a, b, pair, near);
       });
     if (num_fixed == 0) continue;
-    find_on_surfaces(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, nullptr, near);
-    find_on_edges(w, a, std::uint32_t{N}, pair_key(a, 0xffff), 0, num_fixed, near);
+    const std::uint64_t pair = pair_key(a, 0xffff);
+    const auto& on_a = w.owned[a];
+    find_on_surfaces(w, a, std::uint32_t{N}, pair, 0, num_fixed, nullptr, near);
+    if (!on_a.has_surfaces()) continue;
+    if (on_a.has_points)
+      find_on_points(w, a, on_a.first_surface, on_a.end_surface, std::uint32_t{N}, 0, num_fixed, pair, true,
+                     nullptr, near);
+    if (w.world_has_points) {
+      find_on_points(w, std::uint32_t{N}, 0, num_fixed, a, on_a.first_surface, on_a.end_surface,
+                     pair | of_second, false, nullptr, near);
+      find_on_edges(w, a, std::uint32_t{N}, pair, 0, num_fixed, near);
+    }
   }
   near.put_in_order();
 }

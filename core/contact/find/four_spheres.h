@@ -50,11 +50,6 @@ inline std::uint32_t near_plane(const PlacedShape& plane, const SpherePack& pack
   return ~bits(d <= -contact_reach * pack.r - travel);
 }
 
-/// Returns the bounding radius of a bounded shape about the origin of its frame.
-inline Real ball_round(const PlacedShape& shape) noexcept {
-  return shape.kind() == ShapeKind::box ? shape.half_extents().norm() : shape.radius() + shape.half_length();
-}
-
 /// Tests four spheres against a ball of radius `size` about p. Bit j: sphere j may touch it; true for
 /// undefined positions.
 inline std::uint32_t within(const Vec3& p, const SpherePack& pack, Real size) noexcept {

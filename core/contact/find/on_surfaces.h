@@ -3,8 +3,7 @@
 #pragma once
 
 #include "core/contact/find/four_spheres.h"
-#include "core/contact/find/on_faces.h"
-#include "core/contact/find/sweep.h"
+#include "core/contact/find/on_shape.h"
 
 namespace godobject {
 
@@ -111,26 +110,12 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
       std::uint32_t hits = searched & may_touch(shape, ball, pack, travel);
       for (; hits != 0; hits &= hits - 1) {
         const auto j = static_cast<std::uint32_t>(std::countr_zero(hits));
-        const Real radius = pack.r[j], reach = contact_reach * radius + travel;
-        SurfacePoint surface = nearest(shape.in_world(), lane(pack.p_W, j), radius + reach);
-        const auto found_faces = [&](const SurfacePoint& touched) noexcept {
-          if (!has_faces(shape.kind())) return found(j, radius - touched.distance, touched.n);
-          const NearContact contact{
-              .key = pair | touch_key(s + j, o), .of = spheres + s + j, .on = o, .a = a, .b = b};
-          find_on_faces(w, contact, shape, lane(pack.p_W, j), radius, touched, surface, travel, near);
-        };
-        if (travel > radius || surface.distance < 0) {
-          const SweptContact touch = first_touch(j);
-          if (touch.touches) {
-            found_faces({.distance = radius - touch.depth, .n = touch.n_W});
-            continue;
-          }
-          if (shape.kind() == ShapeKind::box && (surface.distance < 0 || touch.was_inside))
-            surface = before(j, surface);
-        }
-        const Real depth = radius - surface.distance;
-        if (depth <= -reach || (leaving_W != nullptr && leaving_W->dot(surface.n) < 0)) continue;
-        found_faces(surface);
+        const TouchingBall one{.key = pair | touch_key(s + j, o),
+                               .of = spheres + s + j,
+                               .body = a,
+                               .p_W = lane(pack.p_W, j),
+                               .r = pack.r[j]};
+        find_on_shape(w, one, b, o, travel, leaving_W, near);
       }
     }
   }

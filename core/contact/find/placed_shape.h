@@ -3,6 +3,7 @@
 
 #include "core/joint/tree.h"
 #include "core/shape/list.h"
+#include "core/shape/points.h"
 
 namespace godobject {
 
@@ -45,6 +46,11 @@ inline Vec3 half_extents(const ShapeParams& shape) noexcept {
   if (shape.kind == ShapeKind::capsule)
     return Vec3(shape.radius, shape.radius, shape.radius + shape.half_length);
   return shape.half_extents;
+}
+
+/// Returns the bounding radius of a bounded shape about the origin of its frame.
+inline Real ball_round(const PlacedShape& shape) noexcept {
+  return shape.kind() == ShapeKind::box ? shape.half_extents().norm() : shape.radius() + shape.half_length();
 }
 
 }  // namespace godobject

@@ -13,14 +13,15 @@ struct ContactFinder {
   static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;
   static constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
   // limits of the numbers in the keys of contacts (core/contact/find/before.h)
-  static_assert(max_spheres + max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
+  static_assert(max_spheres + max_points * max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
     std::uint32_t tree = 0;  // tree of joints whose bodies do not touch each other
     Real travel = 0;         // bound of the motion of its spheres in the stage, m
     // largest distance of its spheres from the centre of mass, and smallest radius, m
     Real farthest = 0, smallest = 0;
-    Twist beyond_predicted;  // its velocity without contacts minus the predicted one
+    bool has_points = false;  // true if points of its surfaces touch (core/shape/points.h)
+    Twist beyond_predicted;   // its velocity without contacts minus the predicted one
     // mean velocity of its centre since the start of the step minus the predicted one, m/s
     Vec3 mean_beyond_predicted = Vec3::Zero();
 
@@ -36,12 +37,14 @@ struct ContactFinder {
   Real swept = 0;  // duration of the motion before the stage that is swept with it, s
   const ContactMemories<Contacts::max_contacts>* before = nullptr;  // contact memory of the previous stage
   std::size_t num_fixed = 0;                                        // number of surfaces of the world
+  bool world_has_points = false;  // true if points of the world's surfaces touch
   bool may_leave_search = false;  // true if a body without contact forces may leave the region in which its
                                   // contacts are searched
   std::array<TreePlace, N> at;
   // spheres in the world; each pack has spheres of one body
   std::array<SpherePack, (max_spheres + 3 * N) / 4> packs;
-  std::array<PlacedShape, max_surfaces> placed;  // surfaces in the world
+  std::array<PlacedShape, max_surfaces> placed;    // surfaces in the world
+  std::array<std::uint8_t, max_surfaces> rounded;  // Surface::rounded of each
   [[no_unique_address]] std::conditional_t<Contacts::between_bodies, BroadPhaseScratch<N>, Absent<16>> broad;
 };
 
@@ -124,14 +127,28 @@ inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real tra
   return box;
 }
 
-/// Places the surfaces of a body in the world, from number o on. Returns the number after them.
+/// True if a surface has points that no sphere rounds.
+inline bool has_points(const Surface& surface) noexcept {
+  return (surface.rounded + 1u) >> num_points(surface.shape.kind) == 0;
+}
+/// Places the surfaces of a body in the world, from number o on. Returns the number after them. Their points
+/// that touch count as spheres in the bounds of the body.
 template <class Contacts, std::size_t N>
 std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t i, std::uint32_t o,
                              ContactFinder<Contacts, N>& w) noexcept {
-  w.owned[i].first_surface = o;
-  for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o)
-    w.placed[o] = PlacedShape(par.surfaces[o].shape, w.at[i]);
-  return w.owned[i].end_surface = o;
+  auto& owned = w.owned[i];
+  owned.first_surface = o;
+  owned.has_points = false;
+  for (; o < par.num_surfaces && par.surfaces[o].body == i; ++o) {
+    const Surface& surface = par.surfaces[o];
+    w.placed[o] = PlacedShape(surface.shape, w.at[i]);
+    w.rounded[o] = surface.rounded;
+    if (!has_points(surface)) continue;
+    owned.has_points = true;
+    owned.farthest = std::max(owned.farthest, surface.shape.X_WS.p.norm() + ball_round(w.placed[o]));
+    owned.smallest = std::min(owned.smallest, point_of(surface.shape, 0, half_thickness(surface.shape)).r);
+  }
+  return owned.end_surface = o;
 }
 
 /// Computes the box round the whole contact geometry of a body, its entry of the broad phase. The box is
@@ -166,8 +183,12 @@ template <class Contacts, std::size_t N>
 void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
                   ContactFinder<Contacts, N>& w) noexcept {
   std::uint32_t s = 0, o = 0, num_packs = 0;
-  for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o)
+  w.world_has_points = false;
+  for (; o < par.num_surfaces && par.surfaces[o].body == world; ++o) {
     w.placed[o] = PlacedShape(par.surfaces[o].shape);
+    w.rounded[o] = 0;
+    w.world_has_points = w.world_has_points || num_points(w.placed[o].kind()) > 0;
+  }
   w.num_fixed = o;
   w.may_leave_search = false;
   if constexpr (Contacts::between_bodies) w.broad.num_entries = 0;
@@ -178,9 +199,9 @@ void place_bodies(const typename Contacts::Params& par, std::size_t num_bodies,
     owned.end_sphere = s;
     owned.first_pack = num_packs;
     num_packs += place_spheres(par, s, w.at[i], w.packs.data() + num_packs, owned);
+    o = place_surfaces(par, i, o, w);
     owned.travel = w.since() * (speed_bound(w.at[i].V, owned.farthest) + owned.mean_beyond_predicted.norm());
     w.may_leave_search = w.may_leave_search || is_outside_search(owned, owned.beyond_predicted, w.h);
-    o = place_surfaces(par, i, o, w);
     if constexpr (Contacts::between_bodies) enter_broad_phase(i, w);
   }
 }

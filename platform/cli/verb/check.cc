@@ -106,11 +106,12 @@ void warn_of_contacts_at_start(const std::string& path, const SceneConfig& scene
   for (const SpheresAlone& one : spheres_alone(scene)) {
     const std::string more =
         one.num_others > 1 ? " (and " + std::to_string(one.num_others - 1) + " more)" : "";
-    std::fprintf(stderr,
-                 "warning: %s: the shape of body '%s' touches %s%s only with its spheres and may pass "
-                 "through between them at any speed; set a sphere at each corner, and space spheres more "
-                 "closely than the edges of the other solid\n",
-                 path.c_str(), one.body.c_str(), one.other.c_str(), more.c_str());
+    std::fprintf(
+        stderr,
+        "warning: %s: the shape of body '%s' touches %s%s only with its corners, ends and spheres and "
+        "may pass through between them at any speed; space spheres of the body more closely than the "
+        "edges of the mesh\n",
+        path.c_str(), one.body.c_str(), one.other.c_str(), more.c_str());
   }
   const BuriedSpheres buried = buried_spheres(scene);
   if (buried.num == 0) return;

@@ -33,16 +33,20 @@ std::vector<MaterialUse> uses_of(const std::vector<Part>& parts, const BodyConfi
 
 std::vector<MaterialUse> sphere_uses(const BodyConfig& body) { return uses_of(body.spheres, body); }
 
+std::vector<MaterialUse> shape_uses(const BodyConfig& body) { return uses_of(body.shapes, body); }
+
 /// Returns the materials of the body that spheres of others touch.
 std::vector<MaterialUse> surface_uses(const BodyConfig& body) {
   if (body.shapes.empty()) return sphere_uses(body);
   return uses_of(body.shapes, body);
 }
 
-std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene) {
+/// only_points: true for the obstacles that have points, which touch shapes.
+std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene, bool only_points = false) {
   std::vector<MaterialUse> uses;
   for (const ObstacleConfig& obstacle : scene.obstacles)
-    uses.push_back({obstacle.shape.material, "obstacle '" + obstacle.name + "'"});
+    if (!only_points || num_points(obstacle.shape.kind) > 0)
+      uses.push_back({obstacle.shape.material, "obstacle '" + obstacle.name + "'"});
   return uses;
 }
 
@@ -50,6 +54,20 @@ std::vector<MaterialUse> obstacle_uses(const SceneConfig& scene) {
 std::vector<MaterialUse> node_uses(const NetConfig& net) {
   if (net.thickness.value_or(0) == 0) return {};
   return {{net.material, "net '" + net.name + "'"}};
+}
+
+/// True if the shape has points that no sphere of the body rounds.
+bool has_points(const BodyConfig& body, const ShapeConfig& config) {
+  const ShapeParams shape = shape_params(config);
+  for (std::uint32_t j = 0; j < num_points(shape.kind); ++j) {
+    bool is_rounded = false;
+    for (const SphereConfig& row : body.spheres)
+      for (int i = 0; i < row.count; ++i)
+        is_rounded = is_rounded || rounds(to_body(shape.X_WS.q, row.p_B + i * row.spacing - shape.X_WS.p),
+                                          row.radius, shape, j);
+    if (!is_rounded) return true;
+  }
+  return false;
 }
 
 /// Set of unordered pairs, each stored once.
@@ -90,9 +108,8 @@ std::vector<std::size_t> tools_of(const SceneConfig& scene) {
 }
 
 ContactScope contact_scope(const SceneConfig& scene) {
-  const auto has_spheres = [](const BodyConfig& body) { return !body.spheres.empty(); };
   const auto touches = [](const NetConfig& net) { return !node_uses(net).empty(); };
-  if (std::ranges::none_of(scene.bodies, has_spheres) && std::ranges::none_of(scene.nets, touches))
+  if (std::ranges::none_of(scene.bodies, is_touchable) && std::ranges::none_of(scene.nets, touches))
     return ContactScope::none;
   const std::vector<std::size_t> tool = tools_of(scene);
   for (const NetConfig& net : scene.nets)
@@ -100,7 +117,7 @@ ContactScope contact_scope(const SceneConfig& scene) {
       if (meets(scene, tool, net, i) && is_touchable(scene.bodies[i])) return ContactScope::bodies;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     for (std::size_t j = 0; j < scene.bodies.size(); ++j)
-      if (tool[i] != tool[j] && has_spheres(scene.bodies[i]) && is_touchable(scene.bodies[j]))
+      if (tool[i] != tool[j] && is_touchable(scene.bodies[i]) && is_touchable(scene.bodies[j]))
         return ContactScope::bodies;
   return scene.obstacles.empty() ? ContactScope::none : ContactScope::obstacles;
 }
@@ -123,13 +140,19 @@ std::vector<MaterialUse> materials_of(const SceneConfig& scene) {
 
 std::vector<MaterialPair> pairs_that_meet(const SceneConfig& scene) {
   const std::vector<std::size_t> tool = tools_of(scene);
-  const std::vector<MaterialUse> obstacles = obstacle_uses(scene);
+  const std::vector<MaterialUse> obstacles = obstacle_uses(scene),
+                                 obstacles_with_points = obstacle_uses(scene, true);
   std::vector<std::vector<MaterialUse>> surfaces;
   for (const BodyConfig& body : scene.bodies) surfaces.push_back(surface_uses(body));
   PairList pairs;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const std::vector<MaterialUse> spheres = sphere_uses(scene.bodies[i]);
     pairs.add(spheres, obstacles);
+    for (const ShapeConfig& shape : scene.bodies[i].shapes)
+      pairs.add({use_of(shape, scene.bodies[i])},
+                has_points(scene.bodies[i], shape) ? obstacles : obstacles_with_points);
+    for (std::size_t j = i + 1; j < scene.bodies.size(); ++j)
+      if (tool[i] != tool[j]) pairs.add(shape_uses(scene.bodies[i]), shape_uses(scene.bodies[j]));
     for (std::size_t j = 0; j < scene.bodies.size(); ++j)
       if (tool[i] != tool[j]) pairs.add(spheres, surfaces[j]);
   }

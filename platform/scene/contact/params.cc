@@ -69,14 +69,6 @@ std::string complaint(const MeshReport& report, const MeshData& data) {
   }
 }
 
-ShapeParams shape_params(const ShapeConfig& shape) {
-  return {.kind = shape.kind,
-          .X_WS = shape.X,
-          .half_extents = shape.half_extents.value_or(Vec3::Zero()),
-          .radius = shape.radius.value_or(0),
-          .half_length = shape.half_length.value_or(0)};
-}
-
 /// Builds the contacts part by part.
 class ContactBuilder {
  public:
@@ -191,6 +183,14 @@ std::unique_ptr<MeshSolid> MeshSolid::make(const MeshData& data, std::string& wh
 }
 
 // ---- contacts -------------------------------------------------------------------------------------
+
+ShapeParams shape_params(const ShapeConfig& shape) {
+  return {.kind = shape.kind,
+          .X_WS = shape.X,
+          .half_extents = shape.half_extents.value_or(Vec3::Zero()),
+          .radius = shape.radius.value_or(0),
+          .half_length = shape.half_length.value_or(0)};
+}
 
 std::size_t num_solids(const ObstacleConfig& obstacle) {
   return obstacle.centres.empty() ? 1 : obstacle.centres.size();

@@ -2,8 +2,9 @@
 // meshes and height fields.
 //
 // Bodies of one tool, joined other than through the world, do not touch each other. A sphere touches
-// obstacles and bodies of other tools: their shapes, or without shapes their spheres. Nodes of nets touch the
-// same; the tool of a net is its carrier's. Nets do not touch each other.
+// obstacles and bodies of other tools: their shapes, or without shapes their spheres. Shapes touch shapes of
+// other tools and obstacles. Nodes of nets touch as spheres do; the tool of a net is its carrier's. Nets do
+// not touch each other.
 #pragma once
 
 #include <deque>
@@ -11,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contact/contact.h"
+#include "core/contact/rounded.h"
 #include "core/shape/mesh_setup.h"
 #include "platform/scene/geometry.h"
 #include "platform/scene/scene.h"
@@ -96,6 +97,9 @@ struct SceneContacts {
 /// meshes are solids.
 SceneContacts scene_contacts(const SceneConfig& scene);
 
+/// Returns the dimensions and the pose of a shape; those of a file are none.
+ShapeParams shape_params(const ShapeConfig& shape);
+
 /// Returns the number of surfaces of an obstacle: one, or the number of its centres.
 std::size_t num_solids(const ObstacleConfig& obstacle);
 
@@ -113,6 +117,7 @@ void set_contact_params(const SceneContacts& contacts, Params& par) noexcept {
   par.num_surfaces = contacts.surfaces.size();
   std::ranges::copy(contacts.surfaces, par.surfaces.begin());
   par.laws = contacts.laws;
+  mark_rounded_points(par);
 }
 
 }  // namespace godobject

@@ -75,7 +75,7 @@ void visit_spheres_and_shapes(V& v, BodyConfig& b) {
            [&](auto& t, SphereConfig& s) { visit_sphere(t, s); });
   if (!spheres.empty()) b.spheres = spheres;
   std::vector<ShapeConfig> shapes = b.shapes;
-  v.tables(TableKey{"shape", "A solid of the body, which spheres of others touch."}, shapes,
+  v.tables(TableKey{"shape", "A solid of the body, which touches others."}, shapes,
            [&](auto& t, ShapeConfig& s) { visit_body_shape(t, s); });
   if (!shapes.empty()) b.shapes = shapes;
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/contact/rounded.h"
 #include "tests/core/one_body.h"
 #include "tests/study/joint/tool.h"
 

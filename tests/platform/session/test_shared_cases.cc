@@ -163,6 +163,15 @@ TEST_P(SharedCases, AToolInAValleyOfOneMeshIsHeldAsByTwoPlanes) {
   EXPECT_NEAR(in_valley.back().z(), 4.78, 0.01);
 }
 
+TEST_P(SharedCases, ATrayRestsOnABallBetweenItsSpheres) {
+  const auto read = scene("tray-on-ball-post");
+  if (!read) GTEST_SKIP() << no_cases;
+  const CycleRecord end = attacked(*read, Motion(*read), read->duration, [](const CycleRecord&) {});
+  const double weight = read->bodies[0].mass * g, sunk = weight / read->contacts[0].law.k;
+  EXPECT_NEAR(end.bodies[0].X_WB.p.z(), read->bodies[0].shapes[0].half_extents->z() - sunk, 1e-5);
+  EXPECT_LT((end.bodies[0].contact_W.f - Vec3(0, 0, weight)).norm(), 1e-3 * weight);
+}
+
 TEST_P(SharedCases, ABrickTipsOverAnEdgeAsBesideAnother) {
   const auto alone = scene("overhang-one-body"), beside = scene("overhang-two-bodies");
   if (!alone || !beside) GTEST_SKIP() << no_cases;

@@ -77,7 +77,9 @@ class Pile : public Running<S> {
   }
   void carry(std::size_t body, const ShapeParams& shape) {
     auto& contacts = this->par.contacts;
-    contacts.surfaces.at(contacts.num_surfaces++) = {.body = body, .shape = shape};
+    Surface& surface = contacts.surfaces.at(contacts.num_surfaces++);
+    surface = {.body = body, .shape = shape};
+    surface.rounded = rounded_points(contacts, surface);  // by the spheres that the body has before
   }
   /// Half-space below z = 0, and gravity. Before any body carries a shape.
   void add_floor() {

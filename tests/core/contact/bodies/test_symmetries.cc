@@ -1,5 +1,5 @@
-// Drawn scenes of boxes and balls on obstacles end alike up to rounding: in any order, rotated, mirrored or
-// translated.
+// Drawn scenes of boxes, balls and capsules on obstacles end alike up to rounding: in any order, rotated,
+// mirrored or translated.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +22,9 @@ constexpr Real duration = 0.08;  // s
 constexpr Real tolerance = 1e-9;
 
 struct DrawnBody {
-  bool is_ball = false;
+  enum class Kind { ball, brick, shape } kind = Kind::brick;
   Real m = 0, radius = 0;
+  ShapeParams shape{};  // without spheres
   Vec3 half;
   Start start;
 };
@@ -34,7 +35,28 @@ struct DrawnScene {
   Real h = 1e-3;
 };
 
-DrawnScene drawn(unsigned seed) {
+/// Turns floor and step into a plane and a ball or capsule, and some bodies into shapes without spheres.
+void draw_shapes(DrawnScene& scene, Random& random) {
+  constexpr std::array kinds{ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box};
+  const auto shape = [&](ShapeKind kind) {
+    const Real radius = random.uniform(0.006, 0.015);
+    return ShapeParams{.kind = kind,
+                       .half_extents = Vec3(random.uniform(0.006, 0.02), random.uniform(0.006, 0.02), radius),
+                       .radius = kind == ShapeKind::box ? 0 : radius,
+                       .half_length = kind == ShapeKind::capsule ? random.uniform(0.006, 0.02) : 0};
+  };
+  ShapeParams& step = scene.obstacles[1];
+  const Pose X = step.X_WS;
+  step = shape(kinds[static_cast<std::size_t>(random.integer(0, 2))]);
+  step.X_WS = X;
+  for (DrawnBody& body : scene.bodies) {
+    if (random.integer(0, 2) == 0) continue;
+    body.kind = DrawnBody::Kind::shape;
+    body.shape = shape(kinds[static_cast<std::size_t>(random.integer(0, 2))]);
+  }
+}
+
+DrawnScene drawn(unsigned seed, bool with_shapes) {
   Random random(seed);
   DrawnScene scene;
   const Real k = random.log_uniform(1e3, 2e4), c = random.uniform(0.05, 1) * 2 * std::sqrt(k * 0.01);
@@ -49,7 +71,7 @@ DrawnScene drawn(unsigned seed) {
   const int num = random.integer(2, 5);
   for (int i = 0; i < num; ++i) {
     DrawnBody body;
-    body.is_ball = random.integer(0, 3) == 0;
+    if (random.integer(0, 3) == 0) body.kind = DrawnBody::Kind::ball;
     body.m = random.log_uniform(5e-3, 0.1);
     body.radius = random.uniform(0.006, 0.015);
     body.half = Vec3(random.uniform(0.006, 0.02), random.uniform(0.006, 0.02), random.uniform(0.006, 0.02));
@@ -58,6 +80,7 @@ DrawnScene drawn(unsigned seed) {
         .V_WB = {.w = 3 * random.vector(), .v = Vec3(0, 0, -1) + 0.3 * random.vector()}};
     scene.bodies.push_back(body);
   }
+  if (with_shapes) draw_shapes(scene, random);
   return scene;
 }
 
@@ -104,8 +127,11 @@ std::vector<End> run(const DrawnScene& scene, const Change& change, std::size_t&
     const Twist& V = body.start.V_WB;
     const Start start{.X_WB = change.of(body.start.X_WB),
                       .V_WB = {.w = change.side() * change.M * V.w, .v = change.M * V.v}};
-    if (body.is_ball) pile->add_ball(start, body.m, body.radius);
-    else pile->add_brick(start, body.m, body.half);
+    switch (body.kind) {
+      case DrawnBody::Kind::ball: pile->add_ball(start, body.m, body.radius); break;
+      case DrawnBody::Kind::brick: pile->add_brick(start, body.m, body.half); break;
+      case DrawnBody::Kind::shape: pile->carry(pile->add(solid_box(body.m, body.half), start), body.shape);
+    }
   }
   EXPECT_EQ(validate(par), Invalid::nothing);
   for (long n = std::lround(duration / par.h); n > 0; --n) {
@@ -139,12 +165,13 @@ struct Symmetries : ::testing::Test {};
 using Integrators = ::testing::Types<ImplicitEuler, TrBdf2>;
 TYPED_TEST_SUITE(Symmetries, Integrators);
 
-TYPED_TEST(Symmetries, OfDrawnScenes) {
+template <class TypeParam>
+void expect_symmetries(bool with_shapes) {
   Random random(7);
   std::size_t contacts = 0;
   Real worst = 0;
   for (unsigned n = 0; n < draws; ++n) {
-    const DrawnScene scene = drawn(n);
+    const DrawnScene scene = drawn(n, with_shapes);
     const std::vector<End> ends = run<TypeParam>(scene, {}, contacts);
     Change order, turn, mirror, shift;
     order.bodies.resize(scene.bodies.size());
@@ -168,6 +195,9 @@ TYPED_TEST(Symmetries, OfDrawnScenes) {
   std::printf("worst difference %.1e, %zu contacts\n", worst, contacts);
   EXPECT_GT(contacts, 300u * draws);
 }
+
+TYPED_TEST(Symmetries, OfDrawnScenes) { expect_symmetries<TypeParam>(false); }
+TYPED_TEST(Symmetries, OfDrawnShapesWithoutSpheres) { expect_symmetries<TypeParam>(true); }
 
 }  // namespace
 }  // namespace godobject::test_symmetries
