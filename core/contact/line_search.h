@@ -141,7 +141,15 @@ bool is_free_island(const Island& island, BodyContactScratch<Contacts, N>& w) no
   return is;
 }
 
-/// Translation of an island as a whole, with its momentum. Zero if bodies touch the world, or nodes.
+/// True if nets of the system may drift (core/net/drifting.h).
+template <class System, class Contacts>
+inline constexpr bool may_drift = false;
+template <class System, class Contacts>
+requires(System::is_coupled&& Contacts::has_net) inline constexpr bool may_drift<System, Contacts> =
+    Contacts::Net::max_faces > 0;
+
+/// Translation of an island as a whole, with its momentum. Zero if bodies touch the world, or nodes; but nets
+/// that touch each other alone have one.
 template <class System, class Contacts, std::size_t N>
 struct IslandTranslation {
   static constexpr bool is_zero = !Contacts::between_bodies || System::is_coupled;
@@ -160,22 +168,38 @@ struct IslandTranslation {
       });
       v = v * (1 / M);
     }
+    if constexpr (may_drift<System, Contacts>)
+      set_drifts(scratch.net, [&](std::uint32_t n) noexcept { return system.b.nodes[n]; });
+  }
+  /// Returns the drift of a node.
+  Column drift(NetNodeNumber u) const noexcept { return w.net.faces.drift[u.n]; }
+  template <class U>
+  bool drifts(U) const noexcept {
+    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
+      return w.net.faces.num_drifting > 0;
+    return false;
   }
   /// Returns V relative to the translation. The overload below returns b without the translation's momentum.
   template <class U, class Vector>
   auto off(U u, const Vector& V) const noexcept {
-    if constexpr (is_zero) return V[u];
+    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
+      return drifts(u) ? V[u] - drift(u) : V[u];
+    else if constexpr (is_zero) return V[u];
     else return V[u] - SpatialVector{.w = Column(Pack(0)), .v = v};
   }
   template <class U, class Vector>
   auto without_momentum(U u, const Vector& b) const noexcept {
-    if constexpr (is_zero) return b[u];
+    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
+      return drifts(u) ? b[u] - drift(u) * w.net.m[u.n] : b[u];
+    else if constexpr (is_zero) return b[u];
     else return b[u] - SpatialVector{.w = Column(Pack(0)), .v = v * w.stages[u].M};
   }
   /// Returns the velocity with its relative part scaled by s.
   template <class U, class Vector>
   auto scaled(U u, const Vector& V, Real s) const noexcept {
-    if constexpr (is_zero) return V[u] * s;
+    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
+      return drifts(u) ? off(u, V) * s + drift(u) : V[u] * s;
+    else if constexpr (is_zero) return V[u] * s;
     else return off(u, V) * s + SpatialVector{.w = Column(Pack(0)), .v = v};
   }
 };
