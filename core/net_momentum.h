@@ -72,7 +72,7 @@ struct Drifting {
   template <class F>
   void each_run(F f) const noexcept {
     for (std::size_t k = 0; k < w.par->num_rows; ++k)
-      if (w.faces.drifts[k] && w.faces.group[k] == group) f(w.par->rows[k]);
+      if (w.faces.drifts[k] && w.faces.group.of[k] == group) f(w.par->rows[k]);
   }
 };
 
@@ -212,7 +212,7 @@ void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<
   });
   if constexpr (NetOf<S>::max_faces > 0)
     for (std::uint32_t k = 0; net.faces.num_drifting > 0 && k < par.net.num_rows; ++k)
-      if (net.faces.drifts[k] && net.faces.group[k] == k)
+      if (net.faces.drifts[k] && net.faces.group.of[k] == k)
         restore_angular_momentum(par, x, Drifting{net, k}, w);
   if (net.attached().empty()) {
     each_carried(net, [&](const NetRun& run) noexcept {

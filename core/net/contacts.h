@@ -237,6 +237,7 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
                                     .b = b,
                                     .J = J};
   }
+  if constexpr (Net::max_faces > 0) group_by_terms(w);
 }
 
 /// Loads b of bodies, including their carried nodes, and of nodes.

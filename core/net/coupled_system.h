@@ -150,12 +150,12 @@ void solve(const CoupledSystem<OfBodies, Stage>& system, typename CoupledSystem<
 template <class OfBodies, class Stage, class Vectors>
 void keep_drifts(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noexcept {
   auto& net = system.net;
-  set_drifts(net, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
-  each_drifting(net, [&](std::uint32_t n, std::uint32_t) noexcept {
+  set_drifts(net, net.faces.active_group, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
+  each_drifting(net, net.faces.active_group, [&](std::uint32_t n, std::uint32_t) noexcept {
     x.V.nodes[n] += net.faces.drift[n];
     x.r.nodes[n] -= net.faces.drift[n] * net.m[n];
   });
-  set_drifts(net, [&](std::uint32_t n) noexcept { return system.b.nodes[n] - x.r.nodes[n]; });
+  set_drifts(net, net.faces.active_group, [&](std::uint32_t n) noexcept { return system.b.nodes[n] - x.r.nodes[n]; });
 }
 
 /// Corrects V, A V = b - r, by (45). The r of nodes remains that of the iteration; see compute_residual().
@@ -180,7 +180,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   auto& net = system.net;
   if constexpr (Stage::has_faces) {
     keep_drifts(system, x);
-    each_drifting(net, [&](std::uint32_t n, std::uint32_t) noexcept {
+    each_drifting(net, net.faces.active_group, [&](std::uint32_t n, std::uint32_t) noexcept {
       along_c_1.add(b.nodes[n] - x.r.nodes[n], net.faces.drift[n]);
     });
   }
@@ -208,7 +208,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
     x.r[u] = SpatialVector::zero();
   });
   if constexpr (Stage::has_faces)
-    each_drifting(net, [&](std::uint32_t n, std::uint32_t) noexcept {
+    each_drifting(net, net.faces.active_group, [&](std::uint32_t n, std::uint32_t) noexcept {
       x.V.nodes[n] -= net.faces.drift[n] * s_1;
     });
   each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/joint/tree.h"
+#include "core/net/drifting.h"
 #include "core/net/face_terms.h"
 #include "core/net/find_faces.h"
 
@@ -36,14 +37,6 @@ void set_touched_points(NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// Returns the row of a node; the number of rows if no spring holds it.
-template <class Net, std::size_t N>
-std::size_t row_of_node(std::uint32_t n, const NetStage<Net, N>& w) noexcept {
-  const auto begin = w.par->rows.begin(), end = begin + static_cast<std::ptrdiff_t>(w.par->num_rows);
-  const auto at = std::partition_point(begin, end, [n](const NodeRow& row) noexcept { return row.end <= n; });
-  return at != end && at->holds(n) ? static_cast<std::size_t>(at - begin) : w.par->num_rows;
-}
-
 /// Finds the drifting nets. A row that touches a face no longer flies alone. Rows that touched in the previous
 /// step or in earlier stages of this one are as if they still did: their forces act in the step, and (48) on
 /// all of it.
@@ -62,10 +55,10 @@ void find_drifting(bool continues_step, NetStage<Net, N>& w) noexcept {
   }
   if (!faces.has_touched)
     for (std::size_t k = 0; k < num_rows; ++k) {
-      faces.group[k] = static_cast<std::uint32_t>(k);
       faces.touches[k] = false;
       faces.is_held[k] = !w.rows[k].is_free;
     }
+  if (!faces.has_touched) faces.group.separate(num_rows);
   faces.has_touched = true;
   const auto hold = [&](std::size_t row) noexcept {
     if (row < num_rows) faces.is_held[row] = true;
@@ -80,9 +73,8 @@ void find_drifting(bool continues_step, NetStage<Net, N>& w) noexcept {
     if (a == num_rows || b == num_rows) {
       hold(a);
       hold(b);
-    } else if (faces.group[a] != faces.group[b]) {
-      const std::uint32_t of = faces.group[a], by = faces.group[b];
-      std::replace(faces.group.begin(), faces.group.begin() + static_cast<std::ptrdiff_t>(num_rows), of, by);
+    } else {
+      faces.group.join(a, b, num_rows);
     }
   };
   for (std::size_t i = 0; i < w.near.size; ++i)
@@ -94,11 +86,11 @@ void find_drifting(bool continues_step, NetStage<Net, N>& w) noexcept {
          one.on - first_face_number<Contacts>);
   }
   for (std::size_t k = 0; k < num_rows; ++k)
-    if (faces.is_held[k]) faces.is_held[faces.group[k]] = true;
+    if (faces.is_held[k]) faces.is_held[faces.group.of[k]] = true;
   faces.num_drifting = 0;
   for (std::size_t k = 0; k < num_rows; ++k) {
     if (faces.touches[k]) w.rows[k].flies = false;
-    faces.drifts[k] = faces.touches[k] && !faces.is_held[faces.group[k]];
+    faces.drifts[k] = faces.touches[k] && !faces.is_held[faces.group.of[k]];
     if (faces.drifts[k]) ++faces.num_drifting;
   }
 }

@@ -1,6 +1,7 @@
 // Working storage of nets in a step, undefined between steps.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <type_traits>
@@ -76,6 +77,21 @@ struct PatchBox {
   bool has_tree = false;
 };
 
+/// Numbers of the groups of rows: that of one of their rows.
+template <std::size_t max>
+struct RowGroups {
+  std::array<std::uint32_t, max> of;
+
+  void separate(std::size_t num_rows) noexcept {
+    for (std::size_t k = 0; k < num_rows; ++k) of[k] = static_cast<std::uint32_t>(k);
+  }
+  void join(std::size_t a, std::size_t b, std::size_t num_rows) noexcept {
+    if (of[a] == of[b]) return;
+    const std::uint32_t from = of[a], to = of[b];
+    std::replace(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(num_rows), from, to);
+  }
+};
+
 /// Contacts between nets in a stage. Without faces: empty.
 template <class Net, bool has_faces = (Net::max_faces > 0)>
 struct FaceStage {
@@ -86,8 +102,8 @@ struct FaceStage {
   std::array<FaceTouch, Net::max_contacts> touching;  // by near contact
   std::array<NetFaceTerm, Net::max_contacts> terms;
   std::size_t num_terms = 0;
-  // rows that touch each other or themselves and nothing else: by row, the first row of its group
-  std::array<std::uint32_t, Net::max_nodes / 2 + 1> group;
+  // rows that touch each other or themselves and nothing else; group: by near contacts in the step so far
+  RowGroups<Net::max_nodes / 2 + 1> group, active_group;
   std::array<bool, Net::max_nodes / 2 + 1> drifts, touches, is_held;  // touches, is_held: in the step so far
   bool has_touched = false;                        // a contact with a face in the step so far
   std::size_t num_drifting = 0;                    // rows
