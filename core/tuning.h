@@ -196,8 +196,8 @@ struct FrictionOnNets {
 
 // Contacts between nets. tests/core/net/test_faces.cc.
 
-/// Contacts that a node has with one face's net and others at a time, in directions at least 60 degrees apart
-/// on each net: between two layers, or in a fold. Further ones are reported as contacts without room.
+/// Contacts of a node with faces at a time, on each net in directions at least 60 degrees apart: between two
+/// layers, or in a fold. Further ones are reported as contacts without room.
 inline constexpr std::uint32_t max_faces_of_node = 8;
 /// Candidates among which the contacts of a node with a net are selected; further ones are reported likewise.
 inline constexpr std::size_t max_face_candidates = 64;

@@ -169,7 +169,8 @@ struct IslandTranslation {
       v = v * (1 / M);
     }
     if constexpr (may_drift<System, Contacts>)
-      set_drifts(scratch.net, scratch.net.faces.group, [&](std::uint32_t n) noexcept { return system.b.nodes[n]; });
+      set_drifts(scratch.net, scratch.net.faces.group,
+                 [&](std::uint32_t n) noexcept { return system.b.nodes[n]; });
   }
   /// Returns the drift of a node.
   Column drift(NetNodeNumber u) const noexcept { return w.net.faces.drift[u.n]; }

@@ -71,8 +71,8 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
 }
 
 /// Returns the places of the nodes of pack p at p_W, and of the bodies or faces that they touch, at the
-/// predicted end of the stage. Nodes have no attitude: their anchors (51) turn with what they touch. face: the
-/// face in whose axes the anchors are.
+/// predicted end of the stage. Nodes have no attitude: their anchors (51) turn with the touched body or face.
+/// face: the face in whose axes the anchors are.
 template <class Contacts, std::size_t N>
 ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, [[maybe_unused]] std::size_t p,
                                       const Vector3<Pack>& p_W,
@@ -214,8 +214,8 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
     const Real a = h * c.eta_t[j], b = h * (c.active[j] * c.eta_n[j] - c.eta_t[j]);
     if (!(a > 0) && !(c.active[j] > 0)) continue;
     const Vec3 n = lane(c.n, j);
-    const Column J(Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
-                        lane(c.u, j) * (h * c.f_slip[j])));
+    const Column J(
+        Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a - lane(c.u, j) * (h * c.f_slip[j])));
     if constexpr (Net::max_faces > 0) {
       if (w.near.list[i].b == NetContactTerm::on_net) {
         w.faces.terms[w.faces.num_terms++] = {.node = w.near.list[i].a,
@@ -381,8 +381,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     if (bears) ++report.num_contacts;
     // forces that pull, within the tolerance of the iterations, are attributed to a joint of the body
     bool counts = bears;
-    if constexpr (Contacts::jointed)
-      counts = bears || !(near.b < N) || !w.graph.joints.joined[near.b];
+    if constexpr (Contacts::jointed) counts = bears || !(near.b < N) || !w.graph.joints.joined[near.b];
     else counts = true;
     if (counts && near.b < N) {
       Wrench& on_body = w.wrenches[near.b];
@@ -393,8 +392,8 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
     const Vector3<Pack> p_W = positions_of_nodes<typename Contacts::Net>(*net.par, near);
-    carry_over(near, near.live(), places_of_nodes(near, p, p_W, &FaceTouch::face, w), p_W, w.stage, h, net.initial[p],
-               net.packs[p], next);
+    carry_over(near, near.live(), places_of_nodes(near, p, p_W, &FaceTouch::face, w), p_W, w.stage, h,
+               net.initial[p], net.packs[p], next);
     add_bearing(near, near.live(), net.packs[p], net.forces);
   }
   each_carried(net, [&](const NetRun& run) noexcept {

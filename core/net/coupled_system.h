@@ -155,7 +155,8 @@ void keep_drifts(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noexc
     x.V.nodes[n] += net.faces.drift[n];
     x.r.nodes[n] -= net.faces.drift[n] * net.m[n];
   });
-  set_drifts(net, net.faces.active_group, [&](std::uint32_t n) noexcept { return system.b.nodes[n] - x.r.nodes[n]; });
+  set_drifts(net, net.faces.active_group,
+             [&](std::uint32_t n) noexcept { return system.b.nodes[n] - x.r.nodes[n]; });
 }
 
 /// Corrects V, A V = b - r, by (45). The r of nodes remains that of the iteration; see compute_residual().
@@ -208,9 +209,8 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
     x.r[u] = SpatialVector::zero();
   });
   if constexpr (Stage::has_faces)
-    each_drifting(net, net.faces.active_group, [&](std::uint32_t n, std::uint32_t) noexcept {
-      x.V.nodes[n] -= net.faces.drift[n] * s_1;
-    });
+    each_drifting(net, net.faces.active_group,
+                  [&](std::uint32_t n, std::uint32_t) noexcept { x.V.nodes[n] -= net.faces.drift[n] * s_1; });
   each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (!of.flies) return;
     const SpatialVector c = of.delta - of.c_1 * s_1;

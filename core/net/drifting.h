@@ -1,5 +1,5 @@
-// Nets of the world that touch each other, or themselves, and nothing else. Their common momentum is conserved:
-// (45) corrects their translation as one, and (48) their rotation. A rotation as one is no motion without
+// Nets of the world that touch each other, or themselves, and nothing else. Their common momentum is
+// conserved: (45) corrects their translation as one, and (48) their rotation. Rotated as one they exert
 // forces, because friction acts at nodes that are as far apart as the nets are thick.
 #pragma once
 

@@ -37,9 +37,8 @@ void set_touched_points(NetStage<Net, N>& w) noexcept {
   }
 }
 
-/// Finds the drifting nets. A row that touches a face no longer flies alone. Rows that touched in the previous
-/// step or in earlier stages of this one are as if they still did: their forces act in the step, and (48) on
-/// all of it.
+/// Finds the drifting nets. A row that touches a face no longer flies alone. Rows that touched in the
+/// previous step or in earlier stages of this one count as touching, because their forces act in the step.
 template <class Contacts, class Net, std::size_t N>
 void find_drifting(bool continues_step, NetStage<Net, N>& w) noexcept {
   auto& faces = w.faces;

@@ -21,7 +21,7 @@ void subtract_at_face(const FaceTouch& on, const Column& J, Vector& F) noexcept 
   for (std::size_t m = 0; m < 3; ++m) F[on.nodes[m]] -= J * on.weights[static_cast<Eigen::Index>(m)];
 }
 
-/// Returns the mass of the point of a face: what a force at it accelerates, kg.
+/// Returns the effective mass of the point of a face, kg.
 template <class Net, std::size_t N>
 Real mass_at_face(const FaceTouch& on, const NetStage<Net, N>& w) noexcept {
   Real per_mass = 0;

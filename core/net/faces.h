@@ -56,7 +56,8 @@ inline Mat3 axes_of_face(const Corners& t) noexcept {
     const Real length = a.norm();
     return length > 0 ? Vec3(a / length) : otherwise;
   };
-  const Vec3 x = unit(t[1] - t[0], Vec3::UnitX()), any = std::abs(x.x()) < 0.5 ? Vec3::UnitX() : Vec3::UnitY();
+  const Vec3 x = unit(t[1] - t[0], Vec3::UnitX()),
+             any = std::abs(x.x()) < 0.5 ? Vec3::UnitX() : Vec3::UnitY();
   const Vec3 z = unit(x.cross(t[2] - t[0]), unit(x.cross(any), Vec3::UnitZ()));
   Mat3 R;
   R << x, z.cross(x), z;
@@ -93,10 +94,11 @@ void put_faces_in_order(NetParams<max_nodes, max_springs, max_attachments, max_f
       return k;
     };
     const auto first = faces.list.begin();
-    std::sort(first, first + static_cast<std::ptrdiff_t>(faces.size), [&](const NetFace& a, const NetFace& b) {
-      const std::size_t row_a = row_of(a), row_b = row_of(b);
-      return row_a != row_b ? row_a < row_b : a.nodes < b.nodes;
-    });
+    std::sort(first, first + static_cast<std::ptrdiff_t>(faces.size),
+              [&](const NetFace& a, const NetFace& b) {
+                const std::size_t row_a = row_of(a), row_b = row_of(b);
+                return row_a != row_b ? row_a < row_b : a.nodes < b.nodes;
+              });
     for (std::uint32_t f = 0; f < faces.size;) {
       const std::size_t k = row_of(faces.list[f]);
       if (k == par.num_rows) return;
@@ -140,7 +142,7 @@ bool are_valid_faces(const NetParams<max_nodes, max_springs, max_attachments, ma
   if constexpr (max_faces == 0) return true;
   else {
     const auto& faces = par.faces;
-    if (faces.size > max_faces || faces.num_patches > max_faces) return false;
+    if (faces.size > max_faces || faces.num_patches > par.num_rows) return false;
     std::uint32_t end = 0;
     for (std::size_t k = 0; k < faces.num_patches; ++k) {
       const NetPatch& patch = faces.patches[k];
@@ -168,8 +170,8 @@ bool are_joined(const Params& par, std::uint32_t i, std::uint32_t j) noexcept {
   return at != end && at->i == ends.first && at->j == ends.second;
 }
 
-/// True if nodes n of a face's own net and the face are never in contact: the node is part of it or joined to
-/// it, or they are within `thickness` of each other in the net's own shape.
+/// True if a node of the net or carrier of a face is never in contact with it. It is part of the face or
+/// joined to it, or within `thickness` of it in the nets' own shape.
 template <class Params>
 bool are_neighbours(const Params& par, std::uint32_t n, const NetFace& face, Real thickness) noexcept {
   Corners t;

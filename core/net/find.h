@@ -2,9 +2,9 @@
 // without shapes.
 //
 // Bound: for each four nodes, a query of each surface of the world. Also a query of each surface or sphere of
-// a body whose box contains one of them. Nodes do not touch bodies of their carrier's tree, or bodies that they
-// are attached to. Nets that touch each other: find_faces.h. Fast nodes, and nodes deep in an obstacle of the world, are swept like
-// spheres of bodies (core/contact/find/sweep.h).
+// a body whose box contains one of them. Nodes do not touch bodies of their carrier's tree, or bodies that
+// they are attached to. Nets that touch each other: find_faces.h. Fast nodes, and nodes deep in an obstacle
+// of the world, are swept like spheres of bodies (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"

@@ -1,10 +1,10 @@
 // Search for contacts of nodes of nets with faces of other nets, and of their own.
 //
-// Bound: for each node, a box test of each net with faces; for nodes in the box of another net, a walk through
-// a tree of boxes over its faces. The tree is the order of the faces (faces.h): halves of a range.
+// Bound: for each node, a box test of each net with faces. Nodes in the box of another net walk through a
+// tree of boxes over its faces. The tree is the order of the faces (faces.h): halves of a range.
 //
-// A node is on the side of a face on which it started the stage, or on which it has been since it was pressed
-// through the middle of the net's thickness. So neither a thin nor a fast net passes another in a stage.
+// A node stays on that side of a face on which it started the stage. Once it was pressed through the middle
+// of the thickness, its memory holds the side. So neither a thin nor a fast net passes another in a stage.
 #pragma once
 
 #include "core/contact/find/find.h"
@@ -15,9 +15,9 @@ namespace godobject {
 
 /// Numbers of touched elements of contacts: surfaces, spheres, then faces.
 template <class Contacts>
-inline constexpr std::uint32_t first_face_number = static_cast<std::uint32_t>(
-    std::tuple_size_v<decltype(Contacts::Params::surfaces)> +
-    std::tuple_size_v<decltype(Contacts::Params::spheres)>);
+inline constexpr std::uint32_t first_face_number =
+    static_cast<std::uint32_t>(std::tuple_size_v<decltype(Contacts::Params::surfaces)> +
+                               std::tuple_size_v<decltype(Contacts::Params::spheres)>);
 
 /// Returns the key of a contact of node n with a face, the slot-th of the node.
 template <class Contacts>
@@ -57,7 +57,8 @@ class FaceFinder {
     for (std::size_t k = 0; k < faces.num_patches; ++k) {
       const NetPatch& patch = faces.patches[k];
       PatchBox& box = w_.faces.patch_boxes[k] = {};
-      for (std::uint32_t n = patch.first_node; n < patch.end_node; ++n) cover(n, net_.nodes[n].radius, box.all);
+      for (std::uint32_t n = patch.first_node; n < patch.end_node; ++n)
+        cover(n, net_.nodes[n].radius, box.all);
     }
     for (std::uint32_t n = 0; n < w_.num_nodes; ++n) find_of_node(n);
   }
@@ -156,7 +157,9 @@ class FaceFinder {
     auto at = std::lower_bound(
         before.list.begin(), end, face_key<Contacts>(n, 0),
         [](const ContactMemory& memory, std::uint64_t key) noexcept { return memory.key < key; });
-    for (; at != end && is_face_key<Contacts>(at->key) && node_of_face_key(at->key) == n && num_remembered_ < max_faces_of_node; ++at) {
+    for (; at != end && is_face_key<Contacts>(at->key) && node_of_face_key(at->key) == n &&
+           num_remembered_ < max_faces_of_node;
+         ++at) {
       const std::uint32_t face = at->on - first_key;
       remembered_[num_remembered_++] = {
           .slot = static_cast<std::uint32_t>(at->key - face_key<Contacts>(n, 0)),
@@ -202,7 +205,9 @@ class FaceFinder {
     const Vec3 v = w_.v[n].vec() - q.of(corners_of(face.nodes, w_.v));
     const Real v_n = u.dot(v);
     if (!(std::max(d, d + h_ * v_n) > -contact_reach * net_.nodes[n].radius)) return;
-    if (is_own && are_neighbours(net_, n, face, thickness)) return;
+    const std::size_t carrier = net_.nodes[n].body;
+    const bool is_beside = carrier != world && carrier == net_.nodes[face.nodes[0]].body;
+    if ((is_own || is_beside) && are_neighbours(net_, n, face, thickness)) return;
     if (num_candidates_ == max_face_candidates) {
       w_.near.is_short = true;
       return;

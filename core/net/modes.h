@@ -29,8 +29,7 @@ Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real 
     const std::uint32_t n = w.near.list[4 * pack + j].a;
     const Column along(lane(d, j));
     const auto of_node = [&](std::uint32_t i, Real share) noexcept -> Real {
-      const Real m = dot(along, w.D[i] * along),
-                 held = dot(along, w.of_contacts[i] * along) - share * own[j];
+      const Real m = dot(along, w.D[i] * along), held = dot(along, w.of_contacts[i] * along) - share * own[j];
       return m > 0 ? share * h / (m + std::max(held, Real(0))) : 0;  // otherwise the direction is undefined
     };
     give.set(j, of_node(n, 1));

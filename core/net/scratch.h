@@ -42,8 +42,7 @@ struct FaceTouch {
   std::size_t carrier = world;  // of the face's nodes
 };
 
-/// Contact of a node with a face in the system: effective mass a 1 + b n n^T for the velocity of the node
-/// relative to the point of the face.
+/// Contact of a node with a face in the system (59): effective mass a 1 + b n n^T.
 struct NetFaceTerm {
   std::uint32_t node = 0;
   std::size_t carrier = world;  // of the node
@@ -66,9 +65,7 @@ struct FaceBox {
     low.p = min(low.p, of.low.p);
     high.p = max(high.p, of.high.p);
   }
-  bool meets(const FaceBox& of) const noexcept {
-    return !any(of.high.p < low.p) && !any(high.p < of.low.p);
-  }
+  bool meets(const FaceBox& of) const noexcept { return !any(of.high.p < low.p) && !any(high.p < of.low.p); }
 };
 
 /// Box of a patch, and whether the boxes of its ranges have been computed.
@@ -97,7 +94,7 @@ template <class Net, bool has_faces = (Net::max_faces > 0)>
 struct FaceStage {
   // boxes of ranges of faces, by the middle of each range; nodes: largest depth in memory, m
   std::array<FaceBox, Net::max_faces> boxes;
-  std::array<PatchBox, Net::max_faces> patch_boxes;
+  std::array<PatchBox, Net::max_nodes / 2 + 1> patch_boxes;
   std::array<Real, Net::max_nodes> depth;
   std::array<FaceTouch, Net::max_contacts> touching;  // by near contact
   std::array<NetFaceTerm, Net::max_contacts> terms;
@@ -109,7 +106,7 @@ struct FaceStage {
   std::size_t num_drifting = 0;                    // rows
   std::array<Real, Net::max_nodes / 2 + 1> mass;   // by group, kg
   std::array<Column, Net::max_nodes / 2 + 1> sum;  // by group
-  std::array<Column, Net::max_nodes> drift;        // by node: velocity of its group as a whole; otherwise zero
+  std::array<Column, Net::max_nodes> drift;  // by node: velocity of its group as a whole; otherwise zero
 };
 template <class Net>
 struct FaceStage<Net, false> {

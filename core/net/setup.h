@@ -9,8 +9,8 @@
 
 namespace godobject {
 
-/// Orders springs by i < j, then j; attachments by nodes; nodes in groups; and faces in patches. Entries beyond
-/// the capacity, or that are no springs, stay in place for is_valid_net() to reject.
+/// Orders springs by i < j, then j; attachments by nodes; nodes in groups; and faces in patches. Entries
+/// beyond the capacity, or that are no springs, stay in place for is_valid_net() to reject.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
 void put_in_order(NetParams<max_nodes, max_springs, max_attachments, max_faces>& par) noexcept {
   if (par.num_nodes > max_nodes || par.num_springs > max_springs) return;
@@ -98,7 +98,8 @@ bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachmen
 }
 
 /// Places every node at its anchor, moving with its carrier.
-template <class State, std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+template <class State, std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments,
+          std::size_t max_faces>
 void place_net(const NetParams<max_nodes, max_springs, max_attachments, max_faces>& par, State& x) noexcept {
   for (std::size_t n = 0; n < par.num_nodes; ++n) {
     const NetNode& node = par.nodes[n];

@@ -3,7 +3,7 @@
 //
 // Bodies of one tool, joined other than through the world, do not touch each other. A sphere touches
 // obstacles and bodies of other tools: their shapes, or without shapes their spheres. Nodes of nets touch the
-// same; the tool of a net is its carrier's. Nets do not touch each other.
+// same, and the surfaces of other nets; the tool of a net is its carrier's.
 #pragma once
 
 #include <deque>

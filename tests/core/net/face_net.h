@@ -41,7 +41,8 @@ std::uint32_t add_touching_sheet(Params<S>& par, const Stuff& of, std::uint32_t 
 template <class S>
 std::uint32_t add_bag(Params<S>& par, const Stuff& of, const Vec3& half, int times, const Pose& X,
                       bool touches_own = true) {
-  std::vector<Vec3> p{Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitZ()};
+  std::vector<Vec3> p{Vec3::UnitX(),  -Vec3::UnitX(), Vec3::UnitY(),
+                      -Vec3::UnitY(), Vec3::UnitZ(),  -Vec3::UnitZ()};
   std::vector<std::array<std::uint32_t, 3>> faces;
   for (const std::uint32_t x : {0u, 1u})
     for (const std::uint32_t y : {2u, 3u})
