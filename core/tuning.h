@@ -203,6 +203,8 @@ inline constexpr std::uint32_t max_faces_of_node = 8;
 inline constexpr std::size_t max_face_candidates = 64;
 /// Weight, outside a face, up to which a path crosses the face: paths between two faces cross at least one.
 inline constexpr Real face_rim = 0.02;
+/// Share of a node's radius: faces as deep up to this are nearest at the same point of an edge or corner.
+inline constexpr Real face_tie = 1e-9;
 /// Share of the thickness: a node that was deeper keeps its side of the surface, without a test of its path.
 inline constexpr Real kept_side_depth = 0.5;
 

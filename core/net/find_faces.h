@@ -245,16 +245,30 @@ class FaceFinder {
         return other != nullptr && other->patch == one->patch && other->n_W.dot(one->n_W) >= same_contact;
       });
       if (is_known) continue;
-      std::uint32_t slot = one->slot;
+      const Candidate& chosen = first_of_ties(one, end, n);
+      std::uint32_t slot = chosen.slot;
       if (slot == no_slot_yet || of_slot[slot] != nullptr)
         for (slot = 0; slot < no_slot_yet && (is_kept[slot] || of_slot[slot] != nullptr);) ++slot;
       if (slot == no_slot_yet)
         for (slot = 0; slot < no_slot_yet && of_slot[slot] != nullptr;) ++slot;
-      if (slot < no_slot_yet) of_slot[slot] = &*one;
+      if (slot < no_slot_yet) of_slot[slot] = &chosen;
       else w_.near.is_short = true;
     }
     for (std::uint32_t slot = 0; slot < max_faces_of_node; ++slot)
       if (of_slot[slot] != nullptr) add(n, slot, *of_slot[slot]);
+  }
+
+  /// Returns the candidate by the numbers of its nodes among those as deep as `one`, as at a common edge, so
+  /// that rounding does not decide.
+  template <class Iterator>
+  const Candidate& first_of_ties(Iterator one, Iterator end, std::uint32_t n) const noexcept {
+    Iterator best = one;
+    for (Iterator other = one + 1; other != end && one->d - other->d <= face_tie * net_.nodes[n].radius;
+         ++other)
+      if (other->patch == one->patch && other->n_W.dot(one->n_W) >= same_contact &&
+          net_.faces.list[other->face].nodes < net_.faces.list[best->face].nodes)
+        best = other;
+    return *best;
   }
 
   void add(std::uint32_t n, std::uint32_t slot, const Candidate& one) noexcept {
