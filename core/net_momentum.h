@@ -203,6 +203,38 @@ void restore_angular_momentum(const Params<S>& par, const State<S>& x, const Fly
                [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
 }
 
+/// Applies the correction (48) to nets that touch each other. Their contacts lose more than springs do, and the
+/// rotation may raise the kinetic energy. Their deformation then slows down by the share that keeps the energy.
+template <Scene S, class FlyingGroup>
+void restore_angular_momentum_of_drifting(const Params<S>& par, const State<S>& x, const FlyingGroup& flying,
+                                          Scratch<S>& w) noexcept {
+  const auto no_body = [](std::size_t) noexcept -> RigidBodyState { return {}; };
+  const Flight before = flight_of(par, flying, no_body, x.net.nodes),
+               after = flight_of(par, flying, no_body, w.net.next);
+  const Vec3 lost = before.L_W - after.L_W, c = after.centre();
+  if (lost.norm() > max_given_back * before.size) return;
+  const Vec3 w_W = solve3<Real>(after.I_W, lost), rigid_W = solve3<Real>(after.I_W, after.L_W);
+  const Real given = w_W.dot(after.L_W + Real(0.5) * lost);  // J
+  Vec3 p_sum = Vec3::Zero();
+  each_node_of(flying, [&](std::uint32_t n) noexcept { p_sum += par.net.nodes[n].m * w.net.next[n].v_W; });
+  const Vec3 v_c = p_sum / after.m;
+  const auto deforming = [&](std::uint32_t n) noexcept -> Vec3 {
+    return w.net.next[n].v_W - v_c - rigid_W.cross(w.net.next[n].p_W - c);
+  };
+  Real in_deformation = 0;  // J
+  each_node_of(flying, [&](std::uint32_t n) noexcept {
+    in_deformation += Real(0.5) * par.net.nodes[n].m * deforming(n).squaredNorm();
+  });
+  Real left = 1;
+  if (given > 0) {
+    if (!(given < in_deformation)) return;
+    left = std::sqrt(1 - given / in_deformation);
+  }
+  each_node_of(flying, [&](std::uint32_t n) noexcept {
+    w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c) - (1 - left) * deforming(n);
+  });
+}
+
 /// Applies the correction (48) to w.next.
 template <Scene S>
 void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
@@ -213,7 +245,7 @@ void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<
   if constexpr (NetOf<S>::max_faces > 0)
     for (std::uint32_t k = 0; net.faces.num_drifting > 0 && k < par.net.num_rows; ++k)
       if (net.faces.drifts[k] && net.faces.group.of[k] == k)
-        restore_angular_momentum(par, x, Drifting{net, k}, w);
+        restore_angular_momentum_of_drifting(par, x, Drifting{net, k}, w);
   if (net.attached().empty()) {
     each_carried(net, [&](const NetRun& run) noexcept {
       if (flies(par, w, run.body) && !joins_carriers(net, run))

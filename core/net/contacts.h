@@ -75,16 +75,18 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
 /// face: the face in whose axes the anchors are.
 template <class Contacts, std::size_t N>
 ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, [[maybe_unused]] std::size_t p,
-                                      const Vector3<Pack>& p_W,
-                                      [[maybe_unused]] std::uint32_t FaceTouch::*face,
+                                      const Vector3<Pack>& p_W, [[maybe_unused]] FacePlace FaceTouch::*face,
                                       const BodyContactScratch<Contacts, N>& w) noexcept {
   const TreePlace at_origin{};
   constexpr bool has_faces = Contacts::Net::max_faces > 0;
   [[maybe_unused]] std::conditional_t<has_faces, std::array<TreePlace, 4>, None> of_faces;
   if constexpr (has_faces)
     for (std::size_t j = 0; j < near.size; ++j)
-      if (near.of[j]->b == NetContactTerm::on_net)
-        of_faces[j] = place_of_face(w.net.faces.touching[4 * p + j].*face, w.net);
+      if (near.of[j]->b == NetContactTerm::on_net) {
+        const FacePlace& at = w.net.faces.touching[4 * p + j].*face;
+        of_faces[j].p_W = at.p_W;
+        of_faces[j].R_WB = at.R_W;
+      }
   const auto at = [&](std::size_t j) -> const TreePlace& {
     const std::uint32_t b = near.of[j]->b;
     if constexpr (has_faces)
@@ -151,7 +153,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
-    const ContactPlacesOf<Pack> places = places_of_nodes(near, p, nodes_W, &FaceTouch::memory_face, w);
+    const ContactPlacesOf<Pack> places = places_of_nodes(near, p, nodes_W, &FaceTouch::at_memory_face, w);
     ContactStartOf<Pack> start{
         .at = places,
         .n_W = near.all(&NearContact::n_W),
@@ -392,7 +394,7 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
     const Vector3<Pack> p_W = positions_of_nodes<typename Contacts::Net>(*net.par, near);
-    carry_over(near, near.live(), places_of_nodes(near, p, p_W, &FaceTouch::face, w), p_W, w.stage, h,
+    carry_over(near, near.live(), places_of_nodes(near, p, p_W, &FaceTouch::at_face, w), p_W, w.stage, h,
                net.initial[p], net.packs[p], next);
     add_bearing(near, near.live(), net.packs[p], net.forces);
   }

@@ -10,14 +10,11 @@
 
 namespace godobject {
 
-/// Returns the place of a face at the predicted nodes, as that of a body.
+/// Returns the place of a face at the predicted nodes.
 template <class Net, std::size_t N>
-TreePlace place_of_face(std::uint32_t face, const NetStage<Net, N>& w) noexcept {
+FacePlace place_of_face(std::uint32_t face, const NetStage<Net, N>& w) noexcept {
   const Corners t = corners_of(w.par->faces.list[face].nodes, w.p);
-  TreePlace at;
-  at.p_W = (t[0] + t[1] + t[2]) / 3;
-  at.R_WB = axes_of_face(t);
-  return at;
+  return {.p_W = (t[0] + t[1] + t[2]) / 3, .R_W = axes_of_face(t)};
 }
 
 /// Sets the touched points of the near contacts with faces, after these are in order.
@@ -30,10 +27,13 @@ void set_touched_points(NetStage<Net, N>& w) noexcept {
     const ContactMemory* const memory = recall.find(near.key);
     FaceTouch& touch = w.faces.touching[i];
     touch.face = near.on - first_face_number<Contacts>;
-    touch.memory_face = memory == nullptr ? touch.face : memory->on - first_face_number<Contacts>;
+    const std::uint32_t memory_face =
+        memory == nullptr ? touch.face : memory->on - first_face_number<Contacts>;
     touch.nodes = w.par->faces.list[touch.face].nodes;
     touch.weights = nearest_on_face(corners_of(touch.nodes, w.p), w.p[near.a].vec()).weights;
     touch.carrier = w.par->nodes[touch.nodes[0]].body;
+    touch.at_face = place_of_face(touch.face, w);
+    touch.at_memory_face = place_of_face(memory_face, w);
   }
 }
 

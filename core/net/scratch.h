@@ -34,12 +34,20 @@ struct NetContactTerm {
   Column J;  // impulse on the node at zero velocity relative to the body
 };
 
+/// Place of a face, as that of a body: its centre, and its axes as columns.
+struct FacePlace {
+  Vec3 p_W = Vec3::Zero();
+  Mat3 R_W = Mat3::Identity();
+};
+
 /// Point of a face that a node touches.
 struct FaceTouch {
-  std::uint32_t face = 0, memory_face = 0;  // face touched; face in whose axes the memory has its anchor (51)
+  std::uint32_t face = 0;
   std::array<std::uint32_t, 3> nodes{};
   Vec3 weights = Vec3::Zero();
   std::size_t carrier = world;  // of the face's nodes
+  // places at the predicted nodes: of the face, and of that in whose axes the memory has its anchor (51)
+  FacePlace at_face, at_memory_face;
 };
 
 /// Contact of a node with a face in the system (59): effective mass a 1 + b n n^T.
