@@ -203,8 +203,8 @@ void restore_angular_momentum(const Params<S>& par, const State<S>& x, const Fly
                [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
 }
 
-/// Applies the correction (48) to nets that touch each other. Their contacts lose more than springs do, and the
-/// rotation may raise the kinetic energy. Their deformation then slows down by the share that keeps the energy.
+/// Applies the correction (48) to nets that touch each other. Their contacts lose more than springs do, and
+/// the rotation may raise the kinetic energy. Their deformation then slows down by the share that keeps it.
 template <Scene S, class FlyingGroup>
 void restore_angular_momentum_of_drifting(const Params<S>& par, const State<S>& x, const FlyingGroup& flying,
                                           Scratch<S>& w) noexcept {
@@ -225,11 +225,8 @@ void restore_angular_momentum_of_drifting(const Params<S>& par, const State<S>& 
   each_node_of(flying, [&](std::uint32_t n) noexcept {
     in_deformation += Real(0.5) * par.net.nodes[n].m * deforming(n).squaredNorm();
   });
-  Real left = 1;
-  if (given > 0) {
-    if (!(given < in_deformation)) return;
-    left = std::sqrt(1 - given / in_deformation);
-  }
+  if (std::abs(given) > max_given_back * in_deformation) return;
+  const Real left = given > 0 ? std::sqrt(1 - given / in_deformation) : 1;
   each_node_of(flying, [&](std::uint32_t n) noexcept {
     w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c) - (1 - left) * deforming(n);
   });

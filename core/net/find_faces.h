@@ -258,8 +258,8 @@ class FaceFinder {
       if (of_slot[slot] != nullptr) add(n, slot, *of_slot[slot]);
   }
 
-  /// Returns the candidate by the numbers of its nodes among those as deep as `one`, as at a common edge, so
-  /// that rounding does not decide.
+  /// Returns that candidate of those as deep as `one`, as at a common edge, whose nodes come first. Rounding
+  /// does not decide.
   template <class Iterator>
   const Candidate& first_of_ties(Iterator one, Iterator end, std::uint32_t n) const noexcept {
     Iterator best = one;
