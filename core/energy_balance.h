@@ -251,10 +251,9 @@ class EnergyBalance {
         if (contact == nullptr) continue;
         const ContactLaw& law = law_of(near.list[k]);
         const Real m = std::min(mass_of(near.list[k].a), mass(near.list[k].b)), pressed = contact->pressed;
-        sum.energy += Real(0.5) * (law.k * pressed * pressed + law.k_t * dot(contact->xi_a, contact->xi_a));
-        if (law.k > 0)
-          sum.may_find += spring_energy_change(law.k, pressed, pressed + max_stored_penetration(law, m));
-        sum.floor += Real(0.5) * m * law.push_out * law.push_out;
+        sum.energy += stored_energy(law, pressed, dot(contact->xi_a, contact->xi_a));
+        sum.may_find += max_found_energy(law, pressed, m);
+        sum.floor += push_out_energy(law, m);
       }
     };
     add(

@@ -115,22 +115,19 @@ Real energy_of_contacts([[maybe_unused]] const Params<S>& par, [[maybe_unused]] 
                         [[maybe_unused]] const Whole& whole) noexcept {
   Real U = 0;
   if constexpr (uses<ContactsOf<S>>) {
-    Real k = 0, k_t = 0, push_out = 0;
+    ContactLaw all = par.contacts.laws[0][0];
     for (const auto& row : par.contacts.laws)
-      for (const ContactLaw& law : row) {
-        k = std::max(k, law.k);
-        k_t = std::max(k_t, law.k_t);
-        push_out = std::max(push_out, law.push_out);
-      }
+      for (const ContactLaw& law : row) all = stiffest(all, law);
     const auto add = [&](const auto& memories) noexcept {
       for (std::size_t i = 0; i < memories.size; ++i) {
         const ContactMemory& contact = memories.list[i];
-        U += k * contact.pressed * contact.pressed + Real(0.5) * k_t * dot(contact.xi_a, contact.xi_a);
+        U += 2 * stored_energy(all, contact.pressed, 0) +
+             stored_energy(all, 0, dot(contact.xi_a, contact.xi_a));
       }
     };
     add(x.contacts);
     if constexpr (uses<NetOf<S>>) add(x.net.contacts);
-    U += whole.mass() * push_out * push_out;
+    U += 2 * push_out_energy(all, whole.mass());
   }
   return U;
 }

@@ -83,12 +83,6 @@ Invalid validate_joint(const typename Joints::Params& par, std::size_t i) noexce
   return Invalid::nothing;
 }
 
-inline bool is_valid(const ContactLaw& law) noexcept {
-  const bool holds = law.mu == 0 || law.k_t > 0 || law.c_t > 0;
-  return is_gain(law.k) && is_gain(law.c) && is_gain(law.mu) && is_gain(law.k_t) && is_gain(law.c_t) &&
-         is_gain(law.push_out) && holds;
-}
-
 /// Validates the contacts of bodies numbered below num_bodies. exists(i): true if i is the number of a body
 /// or node.
 template <std::size_t max_spheres, std::size_t max_surfaces, class Exists>

@@ -183,15 +183,9 @@ struct FrictionAmongBodies {
 
 /// Search for friction on nets. Nodes are many and light, so a friction residual moves none of them far.
 /// tests/core/net/test_stability.cc.
-struct FrictionOnNets {
-  static constexpr bool tangents = FrictionAmongBodies::tangents;
-  static constexpr int by_tangent = FrictionAmongBodies::by_tangent,
-                       by_secant = FrictionAmongBodies::by_secant;
+struct FrictionOnNets : FrictionAmongBodies {
   static constexpr Real min_friction_change = 1e-3;
   static constexpr Real friction_tolerance(int iteration) noexcept { return normal_tolerance(iteration); }
-  static constexpr Real normal_tolerance(int iteration) noexcept {
-    return FrictionAmongBodies::normal_tolerance(iteration);
-  }
 };
 
 // Contacts between nets. tests/core/net/test_faces.cc.

@@ -7,29 +7,6 @@
 
 namespace godobject {
 
-/// Returns the law of contacts in a stage of length h.
-/// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s.
-/// on_world: the contact is with the world; its e may then be below the depth by any amount.
-template <class Contacts>
-StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
-                           bool on_world) noexcept {
-  constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const Real eta_t = h * law.k_t + law.c_t, per_eta_t = law.k_t > 0 ? 1 / eta_t : 0,
-             by = relaxation_time * law.push_out, stored = max_stored_penetration(law, m),
-             most = max_relaxation * stored;
-  return {.k = law.k,
-          .eta_n = h * law.k + law.c,
-          .eta_n_h = law.k + law.c / h,
-          .max_eta_t = eta_t,
-          .v_per_xi = law.k_t * per_eta_t,
-          .mu = law.mu,
-          .kept = law.c_t * per_eta_t,
-          .given = h * per_eta_t,
-          .max_decrease = Contacts::between_bodies ? std::min(by, most) : by,
-          .max_lag = on_world ? infinity : std::min(max_pushed_steps * by, most),
-          .max_stored_penetration = stored};
-}
-
 /// Up to four consecutive near contacts; unused lanes repeat the last one.
 struct NearFour {
   std::uint32_t size;
@@ -56,22 +33,7 @@ struct NearFour {
   }
 };
 
-/// Packs the members of four laws, each by of(member).
-template <class F>
-StageLawOf<Pack> each_number(F of) noexcept {
-  using Law = StageLawOf<Real>;
-  return {.k = of(&Law::k),
-          .eta_n = of(&Law::eta_n),
-          .eta_n_h = of(&Law::eta_n_h),
-          .max_eta_t = of(&Law::max_eta_t),
-          .v_per_xi = of(&Law::v_per_xi),
-          .mu = of(&Law::mu),
-          .kept = of(&Law::kept),
-          .given = of(&Law::given),
-          .max_decrease = of(&Law::max_decrease),
-          .max_lag = of(&Law::max_lag),
-          .max_stored_penetration = of(&Law::max_stored_penetration)};
-}
+/// Returns the laws of four contacts.
 inline StageLawOf<Pack> gathered(const std::array<StageLawOf<Real>, 4>& of) noexcept {
   return each_number(
       [&](auto number) noexcept { return Pack(of[0].*number, of[1].*number, of[2].*number, of[3].*number); });
@@ -116,12 +78,8 @@ GODOBJECT_FLATTEN Pack begin_four(const NearFour& near, const StageLawOf<Pack>& 
     penetration_jumps =
         penetration_jumps || (!stage.is_joined() && (bits(deeper) & ((1u << near.size) - 1)) != 0);
   }
-  initial = {.contact = recalled(law, stage, h, past, start),
-             .v_W = start.v_W,
-             .kept = law.kept,
-             .given = law.given,
-             .v_per_xi = law.v_per_xi};
-  set_contacts(law, initial.contact, side, start.n_W, r, start.d_0, v_n, pack);
+  initial = {.contact = recalled(law, stage, h, past, start), .v_W = start.v_W, .sticking = sticking_of(law)};
+  set_contacts(law, initial, side, start.n_W, r, start.d_0, v_n, h, pack);
   return initial.contact.found;
 }
 
@@ -179,11 +137,13 @@ void add_bearing(const NearFour& near, const Pack& side, const ContactPack& pack
   }
 }
 
-/// Linearises a group of near contacts (24), four to a pack, from pack `first` on.
+/// Linearises a group of near contacts (24), four to a pack, from pack `first` on. Not inlined: in
+/// begin_contacts() its loop takes more instructions.
 template <class Contacts, std::size_t N>
-std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group, Real h,
-                          std::uint32_t first, Recall<Contacts::max_contacts>& recall, Pack& found,
-                          BodyContactScratch<Contacts, N>& w) noexcept {
+[[gnu::noinline]] std::uint32_t begin_group(const typename Contacts::Params& par, const NearGroup& group,
+                                            Real h, std::uint32_t first,
+                                            Recall<Contacts::max_contacts>& recall, Pack& found,
+                                            BodyContactScratch<Contacts, N>& w) noexcept {
   const NearContact& one = w.near.list[group.first];
   const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
@@ -221,19 +181,10 @@ void begin_contacts(const typename Contacts::Params& par, std::size_t num_bodies
   std::uint32_t packs = 0;
   Pack found = 0;
   if constexpr (checks_penetration_jumps<Contacts>) w.penetration_jumps = false;
-  const auto begin = [&](const NearGroup& group, auto& of) noexcept {
-    of.first_pack = packs;
-    of.end_pack = packs = begin_group(par, group, h, packs, recall, found, w);
-  };
   for (std::size_t g = 0; g < w.num_groups; ++g) {
-    const NearGroup& group = w.groups[g];
-    if (group.pair == NearGroup::no_pair) begin(group, w.graph.bodies[w.near.list[group.first].a]);
-    if constexpr (Contacts::between_bodies) {
-      if (group.pair == NearGroup::no_pair) continue;
-      TouchingPair& pair = w.graph.pairs[group.pair];
-      pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
-      begin(group, pair);
-    }
+    TouchingContacts& of = contacts_of(w.groups[g], w);
+    of.first_pack = packs;
+    of.end_pack = packs = begin_group(par, w.groups[g], h, packs, recall, found, w);
   }
   w.report.found += total(found);
 }

@@ -24,41 +24,29 @@ constexpr Pass pass_of(int iteration) noexcept {
                                                                             : Pass::unchanged;
 }
 
-/// Sums the effective masses and impulses at rest of the packs [first, end). Returns false if no contact is
-/// active.
-template <bool tangents, std::size_t max_packs>
-bool gather(const std::array<ContactPack, max_packs>& packs, std::size_t first, std::size_t end, Real h,
-            SymmetricSpatialMatrix& A, SpatialVector& F) noexcept {
-  ContactSums sums;
-  bool touches = false;
-  for (std::size_t i = first; i < end; ++i) {
-    if (!any(packs[i].active > 0)) continue;
-    touches = true;
-    add<tangents>(packs[i], h, sums);
-  }
-  A = total(sums);
-  F = total_impulse(sums);
-  return touches;
-}
-
 /// Sums effective masses and impulses of an island's contacts in their current modes. all: include contacts
 /// whose mode has not changed. Returns true if an active pair is not coupled in the system.
 template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr bool tangents = FrictionSearchOf<Contacts>::tangents;
-  const auto has_changed = [&](std::uint32_t first, std::uint32_t end) noexcept {
+  const auto gather = [&](TouchingContacts& of) noexcept {
     bool changed = all || tangents;
-    for (std::uint32_t p = first; p < end; ++p) changed = changed || w.packs[p].changed;
-    return changed;
+    for (std::uint32_t p = of.first_pack; p < of.end_pack; ++p) changed = changed || w.packs[p].changed;
+    if (!changed) return;
+    ContactSums sums;
+    of.touches = false;
+    for (std::uint32_t p = of.first_pack; p < of.end_pack; ++p) {
+      if (!any(w.packs[p].active > 0)) continue;
+      of.touches = true;
+      add<tangents>(w.packs[p], h, sums);
+    }
+    of.A = total(sums);
+    of.F = total_impulse(sums);
   };
   bool is_new = all;
-  w.graph.each_body(island, [&](std::uint32_t, TouchingBody& body) noexcept {
-    if (has_changed(body.first_pack, body.end_pack))
-      gather<tangents>(w.packs, body.first_pack, body.end_pack, h, body.A, body.F);
-  });
+  w.graph.each_body(island, [&](std::uint32_t, TouchingContacts& of) noexcept { gather(of); });
   w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
-    if (has_changed(pair.first_pack, pair.end_pack))
-      pair.touches = gather<tangents>(w.packs, pair.first_pack, pair.end_pack, h, pair.A, pair.F);
+    gather(pair);
     is_new = is_new || (pair.touches && pair.entry == no_slot);
   });
   return is_new;
@@ -68,7 +56,8 @@ bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<
 template <class Contacts, std::size_t N>
 void begin_system(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.system.clear();
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept { w.system.add_unknown(i); });
+  w.graph.each_body(island,
+                    [&](std::uint32_t i, const TouchingContacts&) noexcept { w.system.add_unknown(i); });
   if constexpr (Contacts::jointed) add_bodies_to_parents(island, w);
   w.graph.each_pair(island, [&](TouchingPair& pair) noexcept {
     pair.entry = pair.touches || pair.is_deep ? w.system.couple(pair.parent, pair.child) : no_slot;
@@ -89,7 +78,7 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
                  BodyContactScratch<Contacts, N>& w) noexcept {
   auto& system = w.system;
   system.begin_loading();
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts& body) noexcept {
     const BodyStage& stage = w.stages[i];
     system.set(i,
                {.ww = stage.A_ww + body.A.ww, .wv = body.A.wv, .vv = Block::identity() * stage.M + body.A.vv},
@@ -157,14 +146,11 @@ struct SolverLimits {
   }
 };
 
-/// Returns a residual as a share of the largest normal force; zero without contact forces.
-inline Real share_of(Real residual, Real F_n) noexcept { return F_n > 0 ? residual / F_n : 0; }
-
 /// Stores the residual impulses on the bodies of an island that neither contacts nor joints carry.
 template <class Contacts, std::size_t N>
 void store_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   w.is_unbalanced = true;
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts&) noexcept {
     if constexpr (Contacts::jointed)
       if (w.graph.joints.joined[i]) return;
     w.unbalanced[i] = w.x.r[i] * Real(-1);
@@ -211,7 +197,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
     }
     if (move_contacts(island, w)) {
       // no search from V_0 in the first iteration: V_0 is only predicted and solves no system
-      if (newton_iterations > 0) search_line(h, island, system, w);
+      if (newton_iterations > 0) search_from_previous(h, island, system, w);
       left = scale_velocities(h, island, system, w);
       if constexpr (System::is_coupled) w.net.is_balanced = false;
     }
@@ -236,7 +222,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
   }
   w.report.num_without_room += w.system.is_complete ? 0 : 1;
   w.report.residual = std::max(w.report.residual, residual);
-  w.report.residual_share = std::max(w.report.residual_share, share_of(residual, most.F_n()));
+  if (most.F_n() > 0) w.report.residual_share = std::max(w.report.residual_share, residual / most.F_n());
   w.report.num_stopped += done ? 0 : 1;
   w.report.newton_iterations = std::max(w.report.newton_iterations, newton_iterations);
   w.report.iterations = std::max(w.report.iterations, iterations);
@@ -267,14 +253,12 @@ void solve_contacts(const typename Contacts::Params& par, std::size_t num_bodies
   (solve_net(h, net, w), ...);
 }
 
-/// Returns the sum of the contact forces of packs [first, end) on their body, about its centre of mass, and
-/// adds them to the report.
+/// Returns the sum of contact forces on their body, about its centre of mass, and adds them to the report.
 template <class Contacts, std::size_t N>
-SpatialVector sum_forces(std::uint32_t first, std::uint32_t end, Real h,
-                         BodyContactScratch<Contacts, N>& w) noexcept {
+SpatialVector sum_forces(const TouchingContacts& of, Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   Vector3<Pack> tau = Vector3<Pack>::Constant(Pack(0)), f = tau;
   Pack deepest = 0;
-  for (std::uint32_t p = first; p < end; ++p) {
+  for (std::uint32_t p = of.first_pack; p < of.end_pack; ++p) {
     const ContactPack& c = w.packs[p];
     f += c.F;
     tau += c.r.cross(c.F);
@@ -312,24 +296,23 @@ void end_contacts(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   for (std::size_t g = 0; g < w.num_groups; ++g) {
     const NearGroup& group = w.groups[g];
     const std::uint32_t a = w.near.list[group.first].a;
-    std::uint32_t first_pack = w.graph.bodies[a].first_pack;
-    if (group.pair == NearGroup::no_pair) on(a, sum_forces(first_pack, w.graph.bodies[a].end_pack, h, w));
+    const TouchingContacts& of = contacts_of(group, w);
+    const SpatialVector F = sum_forces(of, h, w);
+    on(a, F);
     if constexpr (Contacts::between_bodies) {
       if (group.pair != NearGroup::no_pair) {
         const TouchingPair& pair = w.graph.pairs[group.pair];
-        const SpatialVector F = sum_forces(pair.first_pack, pair.end_pack, h, w);
-        on(pair.child, F);
         on(pair.parent, moved_wrench(F, pair.d) * Real(-1));
-        first_pack = pair.first_pack;
       }
     }
+    std::uint32_t pack = of.first_pack;
     GroupPlaces<Contacts, N> places(a, w.near.list[group.first].b, w.finder);
-    for (std::uint32_t i = group.first; i < group.end; i += 4, ++first_pack) {
+    for (std::uint32_t i = group.first; i < group.end; i += 4, ++pack) {
       const NearFour near(&w.near.list[i], group.end - i);
       const Pack sides = near.sides(a);
-      carry_over(near, sides, places.of(sides), near.all(&NearContact::p_W), w.stage, h,
-                 w.initial[first_pack], w.packs[first_pack], next);
-      add_bearing(near, sides, w.packs[first_pack], w.forces);
+      carry_over(near, sides, places.of(sides), near.all(&NearContact::p_W), w.stage, h, w.initial[pack],
+                 w.packs[pack], next);
+      add_bearing(near, sides, w.packs[pack], w.forces);
     }
   }
   if constexpr (Contacts::between_bodies)

@@ -1,11 +1,4 @@
-// Penalty contacts of spheres: law and parameters.
-//
-//   (22)  F_n = max(k (d - e) - c v_n, 0) where d > 0
-//   (23)  F_t = -(k_t xi + c_t v_t) while |F_t| <= mu F_n; beyond, the contact point slips and |F_t| = mu F_n
-//
-// d: depth, m. v: velocity of the contact point against the surface, m/s, n off the surface. xi: drag of the
-// contact point since it stuck, m. e: rest penetration, offset of the contact spring, m. Bodies that start
-// inside each other begin with e = d; it is relaxed at the depenetration velocity.
+// Contacts of spheres: parameters and report.
 #pragma once
 
 #include <algorithm>
@@ -13,25 +6,12 @@
 #include <cstdint>
 
 #include "core/body/rigid_body.h"
+#include "core/contact/law.h"
 #include "core/math/block.h"
 #include "core/shape/list.h"
 #include "core/tuning.h"
 
 namespace godobject {
-
-/// Law of a pair of materials, for the contact of one sphere. The stiffness of spheres that share a load adds
-/// up.
-struct ContactLaw {
-  Real k = 0;            // N/m
-  Real c = 0;            // N s/m
-  Real mu = 0;           // Coulomb friction, sticking and slipping
-  Real k_t = 0;          // stiffness of a sticking contact point, N/m
-  Real c_t = 0;          // damping of a sticking contact point, N s/m; k_t and c_t are not both zero unless
-                         // mu is
-  Real push_out = 0.05;  // depenetration velocity, at which the rest penetration is relaxed, m/s
-
-  bool operator==(const ContactLaw&) const = default;
-};
 
 using MaterialId = std::uint8_t;  // < max_materials
 

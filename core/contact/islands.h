@@ -9,24 +9,22 @@
 
 namespace godobject {
 
-/// Pair of bodies in contact, and the sum of its contacts: effective mass and impulse at rest. Both for the
-/// twist of the child against the parent, at the child's centre of mass.
-struct TouchingPair {
-  std::uint32_t child = 0, parent = 0;
+/// Contacts of a pair of bodies, or of a body with the world, and their sum: effective mass and impulse at
+/// rest.
+struct TouchingContacts {
   std::uint32_t first_pack = 0, end_pack = 0;
-  bool is_deep = false;     // true if some contact is deep at the predicted places
-  bool touches = false;     // true if some contact is active
-  std::uint32_t entry = 0;  // entry in the system, or no_slot
-  Column d;                 // vector from the parent's centre of mass to the child's
+  bool touches = false;  // true if some contact is active
   SymmetricSpatialMatrix A;
   SpatialVector F;
 };
 
-/// Body in the graph of contacts. Undefined between steps.
-struct TouchingBody {
-  std::uint32_t first_pack = 0, end_pack = 0;  // contacts with the world
-  SymmetricSpatialMatrix A;                    // effective mass of its contacts with the world
-  SpatialVector F;                             // impulse at rest of its contacts with the world
+/// Pair of bodies in contact. A and F are for the twist of the child against the parent, at the child's
+/// centre of mass.
+struct TouchingPair : TouchingContacts {
+  std::uint32_t child = 0, parent = 0;
+  bool is_deep = false;     // true if some contact is deep at the predicted places
+  std::uint32_t entry = 0;  // entry in the system, or no_slot
+  Column d;                 // vector from the parent's centre of mass to the child's
 };
 
 /// Island: bodies near each other and near no others, a system of its own. Ranges in the order of
@@ -40,7 +38,7 @@ struct Island {
 template <std::size_t N, std::size_t max_pairs, bool jointed_ = false, std::size_t max_terms = 0>
 struct TouchingGraph {
   static constexpr bool jointed = jointed_, has_terms = max_terms > 0;
-  std::array<TouchingBody, N> bodies;
+  std::array<TouchingContacts, N> bodies;  // their contacts with the world
   std::array<TouchingPair, max_pairs> pairs;
   std::size_t num_pairs = 0;
   std::array<std::uint32_t, N> order;               // bodies with contacts, island by island

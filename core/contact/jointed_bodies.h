@@ -71,7 +71,7 @@ void set_stops(const std::array<StopParams, 2>& stops, const JointMotion<turns, 
 template <class Contacts, std::size_t N>
 void add_bodies_to_parents(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   auto& all = w.graph.joints;
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts&) noexcept {
     JointEdge& edge = all.edges[i];
     BlockJoint& joint = w.system.joints[i];
     joint.is_free = edge.kind == JointKind::free;
@@ -90,7 +90,7 @@ void add_bodies_to_parents(const Island& island, BodyContactScratch<Contacts, N>
 template <class Contacts, std::size_t N>
 void add_stops(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   const auto& all = w.graph.joints;
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody&) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts&) noexcept {
     const JointEdge& edge = all.edges[i];
     for (int k = 0; k < std::min(edge.num_axes, 2); ++k) {
       const Real D = edge.on_coordinate(k);

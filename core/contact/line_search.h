@@ -19,7 +19,7 @@ namespace godobject {
 /// velocity of the contact's body, or relative to the other body of its pair.
 template <class Velocities, class Contacts, std::size_t N, class F>
 void each_pack(const Velocities& V, const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts& body) noexcept {
     for (std::uint32_t p = body.first_pack; p < body.end_pack; ++p) f(w.packs[p], V[i]);
   });
   w.graph.each_pair(island, [&](const TouchingPair& pair) noexcept {
@@ -53,19 +53,6 @@ LineSlope slope_at(Real t, const LineSlope& line, Real h, const LinePacks<max_pa
           .curvature = line.curvature + h * total(curvature)};
 }
 
-/// Lists the contacts of an island that change their modes for step lengths in [0, t_max]. Normal velocities:
-/// from(pack) + t by(pack).
-template <class Contacts, std::size_t N, class From, class By>
-void find_mode_changes(Real t_max, const Island& island, BodyContactScratch<Contacts, N>& w, From from,
-                       By by) noexcept {
-  w.line.size = 0;
-  each_pack(island, w, [&](const ContactPack& c) noexcept {
-    const Pack v_n = by(c), F_n = c.F_0 - c.eta_n * from(c), F_by = c.eta_n * v_n;
-    if (differ(mode_of(F_n), c.active) || differ(mode_of(F_n - F_by * t_max), c.active))
-      w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .active = c.active};
-  });
-}
-
 /// Finds t in [0, t_max] with -tolerance <= dE/dt <= 0 by Newton's method from t = 1, safeguarded with
 /// bisection. dE/dt is monotone because E is convex. t_max >= 1.
 template <class Slope>
@@ -85,11 +72,6 @@ Real exact_line_search(Real t_max, Real tolerance, Slope slope_at) noexcept {
   return lo;
 }
 
-/// True if a contact is not in the mode that was solved for.
-inline bool has_changed_mode(const ContactPack& c) noexcept {
-  return differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.active);
-}
-
 /// Computes the velocities of the contact points at V, and stores their normal velocities at V_0 in v_n_0.
 /// Returns true if a contact has changed its mode.
 template <class Contacts, std::size_t N>
@@ -98,43 +80,68 @@ bool move_contacts(const Island& island, BodyContactScratch<Contacts, N>& w) noe
   each_pack(w.x.V, island, w, [&](ContactPack& c, const auto& V) noexcept {
     c.v_n_0 = c.n.dot(c.v);
     move(c, V);
-    differs = differs || has_changed_mode(c);
+    differs = differs || differ(mode_of(c.F_0 - c.eta_n * c.n.dot(c.v)), c.active);
   });
   return differs;
 }
 
-/// Moves V along the line from V_0 to V to the least E (29). A V_0 = AV_0 and A V = b - r hold, with the
-/// modes that were solved for, before and after.
-template <class System, class Contacts, std::size_t N>
-void search_line(Real h, const Island& island, const System& system,
-                 BodyContactScratch<Contacts, N>& w) noexcept {
+/// Start of a line of an unknown: its velocity V, and r = b - A V with the modes that were solved for.
+template <class Velocity>
+struct LineStart {
+  Velocity V, r;
+};
+
+/// Moves V, and its residual r, along the line from a start to V, to the least E (29) for step lengths t in
+/// [0, t_max]. Returns t. tolerance: share of the slope at the start. start(u): LineStart of unknown u.
+/// v_n_from(pack): normal velocities at the start; at t = 1 they are those of the contact points.
+template <class System, class Contacts, std::size_t N, class Start, class NormalSpeeds>
+Real search_line(Real t_max, Real tolerance, Real h, const Island& island, const System& system,
+                 BodyContactScratch<Contacts, N>& w, Start start, NormalSpeeds v_n_from) noexcept {
   auto& x = w.x;
-  const auto& b = system.b;
-  SpatialSum slope, end;
+  SpatialSum fall, curvature;
   system.each([&](auto u) noexcept {
-    const auto d = x.V[u] - x.V_0[u];
-    slope.add(d, x.AV_0[u] - b[u]);
-    end.add(d, x.r[u]);
+    const auto from = start(u);
+    const auto d = x.V[u] - from.V;
+    fall.add(d, from.r);
+    curvature.add(d, from.r - x.r[u]);
   });
-  find_mode_changes(
-      1, island, w, [](const ContactPack& c) noexcept { return c.v_n_0; },
-      [](const ContactPack& c) noexcept { return c.n.dot(c.v) - c.v_n_0; });
-  const LineSlope line{.slope = slope, .curvature = -end - slope};
-  const Real t = exact_line_search(1, line_tolerance * -slope,
+  w.line.size = 0;  // contacts that change their modes on the line
+  each_pack(island, w, [&](const ContactPack& c) noexcept {
+    const Pack from = v_n_from(c), v_n = c.n.dot(c.v) - from;
+    const Pack F_n = c.F_0 - c.eta_n * from, F_by = c.eta_n * v_n;
+    if (differ(mode_of(F_n), c.active) || differ(mode_of(F_n - F_by * t_max), c.active))
+      w.line.list[w.line.size++] = {.F_n = F_n, .by = F_by, .v_n = v_n, .active = c.active};
+  });
+  const LineSlope line{.slope = -fall, .curvature = curvature};
+  const Real t = exact_line_search(t_max, tolerance * line.curvature,
                                    [&](Real at) noexcept { return slope_at(at, line, h, w.line); });
-  if (t == 1) return;
+  if (t == 1) return t;
   system.each([&](auto u) noexcept {
-    x.V[u] = x.V_0[u] + (x.V[u] - x.V_0[u]) * t;
-    x.r[u] = (b[u] - x.AV_0[u]) * (1 - t) + x.r[u] * t;
+    const auto from = start(u);
+    x.V[u] = from.V + (x.V[u] - from.V) * t;
+    x.r[u] = from.r * (1 - t) + x.r[u] * t;
   });
-  each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
+  return t;
+}
+
+/// Moves V along the line from V_0 to V to the least E (29). A V_0 = AV_0.
+template <class System, class Contacts, std::size_t N>
+void search_from_previous(Real h, const Island& island, const System& system,
+                          BodyContactScratch<Contacts, N>& w) noexcept {
+  const auto& x = w.x;
+  const auto start = [&](auto u) noexcept {
+    return LineStart<std::decay_t<decltype(x.V[u])>>{x.V_0[u], system.b[u] - x.AV_0[u]};
+  };
+  const Real t = search_line(1, line_tolerance, h, island, system, w, start,
+                             [](const ContactPack& c) noexcept { return c.v_n_0; });
+  if (t != 1) each_pack(x.V, island, w, [](ContactPack& c, const auto& V) noexcept { move(c, V); });
 }
 
 /// True if an island is free: no contact, joint or term with the world, and no device.
 template <class Contacts, std::size_t N>
 bool is_free_island(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool is = !island.has_terms;
-  w.graph.each_body(island, [&](std::uint32_t i, const TouchingBody& body) noexcept {
+  w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts& body) noexcept {
     is = is && body.first_pack == body.end_pack && !w.stages[i].is_held;
     if constexpr (Contacts::jointed) is = is && !w.graph.joints.edges[i].on_world();
   });
@@ -148,89 +155,47 @@ template <class System, class Contacts>
 requires(System::is_coupled&& Contacts::has_net) inline constexpr bool may_drift<System, Contacts> =
     Contacts::Net::max_faces > 0;
 
-/// Translation of an island as a whole, with its momentum. Zero if bodies touch the world, or nodes; but nets
-/// that touch each other alone have one.
+/// Returns the velocity c = sum b / sum M of an island as a whole, with its momentum. Zero if it is not free.
 template <class System, class Contacts, std::size_t N>
-struct IslandTranslation {
-  static constexpr bool is_zero = !Contacts::between_bodies || System::is_coupled;
-  const BodyContactScratch<Contacts, N>& w;
-  Column v = Column(Pack(0));
-
-  IslandTranslation(const Island& island, const System& system,
-                    BodyContactScratch<Contacts, N>& scratch) noexcept
-      : w(scratch) {
-    if constexpr (!is_zero) {
-      if (!is_free_island(island, scratch)) return;
-      Real M = 0;
-      system.each([&](std::uint32_t u) noexcept {
-        v += system.b[u].v;
-        M += w.stages[u].M;
-      });
-      v = v * (1 / M);
-    }
-    if constexpr (may_drift<System, Contacts>)
-      set_drifts(scratch.net, scratch.net.faces.group,
-                 [&](std::uint32_t n) noexcept { return system.b.nodes[n]; });
-  }
-  /// Returns the drift of a node.
-  Column drift(NetNodeNumber u) const noexcept { return w.net.faces.drift[u.n]; }
-  template <class U>
-  bool drifts(U) const noexcept {
-    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
-      return w.net.faces.num_drifting > 0;
-    return false;
-  }
-  /// Returns V relative to the translation. The overload below returns b without the translation's momentum.
-  template <class U, class Vector>
-  auto off(U u, const Vector& V) const noexcept {
-    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
-      return drifts(u) ? V[u] - drift(u) : V[u];
-    else if constexpr (is_zero) return V[u];
-    else return V[u] - SpatialVector{.w = Column(Pack(0)), .v = v};
-  }
-  template <class U, class Vector>
-  auto without_momentum(U u, const Vector& b) const noexcept {
-    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
-      return drifts(u) ? b[u] - drift(u) * w.net.m[u.n] : b[u];
-    else if constexpr (is_zero) return b[u];
-    else return b[u] - SpatialVector{.w = Column(Pack(0)), .v = v * w.stages[u].M};
-  }
-  /// Returns the velocity with its relative part scaled by s.
-  template <class U, class Vector>
-  auto scaled(U u, const Vector& V, Real s) const noexcept {
-    if constexpr (may_drift<System, Contacts> && std::is_same_v<U, NetNodeNumber>)
-      return drifts(u) ? off(u, V) * s + drift(u) : V[u] * s;
-    else if constexpr (is_zero) return V[u] * s;
-    else return off(u, V) * s + SpatialVector{.w = Column(Pack(0)), .v = v};
-  }
-};
+Column translation_of(const Island& island, const System& system,
+                      BodyContactScratch<Contacts, N>& w) noexcept {
+  Column b(Pack(0));
+  Real M = 0;
+  if (!is_free_island(island, w)) return b;
+  system.each([&](std::uint32_t u) noexcept {
+    b += system.b[u].v;
+    M += w.stages[u].M;
+  });
+  return b * (1 / M);
+}
 
 /// Scales V, relative to the translation c of the island, to the least E (29), so that free bodies keep their
-/// momentum. Returns the largest unbalanced force times h; r: all of them.
-///
-///   V = c + s (V - c),   r = (b - M c) (1 - s) + s r,   c = sum b / sum M
+/// momentum; drifting nets theirs. Returns the largest unbalanced force times h.
 template <class System, class Contacts, std::size_t N>
 Real scale_velocities(Real h, const Island& island, const System& system,
                       BodyContactScratch<Contacts, N>& w) noexcept {
-  auto& x = w.x;
-  const auto& b = system.b;
-  const IslandTranslation<System, Contacts, N> whole(island, system, w);
-  SpatialSum VAV, Vb;
-  system.each([&](auto u) noexcept {
-    const auto V = whole.off(u, x.V), b_off = whole.without_momentum(u, b);
-    VAV.add(V, b_off - x.r[u]);
-    Vb.add(V, b_off);
-  });
-  find_mode_changes(
-      max_scale, island, w, [](const ContactPack&) noexcept { return Pack(0); },
-      [](const ContactPack& c) noexcept { return c.n.dot(c.v); });
-  const LineSlope ray{.slope = -Vb, .curvature = VAV};
-  const Real s = exact_line_search(max_scale, scale_tolerance * VAV,
-                                   [&](Real at) noexcept { return slope_at(at, ray, h, w.line); });
-  system.each([&](auto u) noexcept {
-    x.V[u] = whole.scaled(u, x.V, s);
-    x.r[u] = whole.without_momentum(u, b) * (1 - s) + x.r[u] * s;
-  });
+  constexpr bool may_be_free = Contacts::between_bodies && !System::is_coupled;
+  Column whole(Pack(0));
+  if constexpr (may_be_free) whole = translation_of(island, system, w);
+  if constexpr (may_drift<System, Contacts>)
+    set_drifts(w.net, w.net.faces.group, [&](std::uint32_t n) noexcept { return system.b.nodes[n]; });
+  const auto start = [&](auto u) noexcept {
+    using Velocity = std::decay_t<decltype(w.x.V[u])>;
+    if constexpr (may_be_free) {
+      const SpatialVector V{.w = Column(Pack(0)), .v = whole};
+      return LineStart<Velocity>{V, system.b[u] - V * w.stages[u].M};
+    } else {
+      if constexpr (may_drift<System, Contacts> && std::is_same_v<Velocity, Column>) {
+        if (w.net.faces.num_drifting > 0) {
+          const Column& drift = w.net.faces.drift[u.n];
+          return LineStart<Velocity>{drift, system.b[u] - drift * w.net.m[u.n]};
+        }
+      }
+      return LineStart<Velocity>{{}, system.b[u]};
+    }
+  };
+  const Real s = search_line(max_scale, scale_tolerance, h, island, system, w, start,
+                             [](const ContactPack&) noexcept { return Pack(0); });
   each_pack(island, w, [&](ContactPack& c) noexcept { c.v *= Pack(s); });
   return largest_residual(system, w);
 }

@@ -193,6 +193,7 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
       pair.child = first.a;
       pair.parent = first.b;
       pair.is_deep = is_deep;
+      pair.d = Column(Vec3(w.finder.at[pair.child].p_W - w.finder.at[pair.parent].p_W));
     }
   }
   if constexpr (Contacts::max_terms > 0) {
@@ -207,6 +208,14 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
   });
   if constexpr (Contacts::has_net)
     if (w.net.first_body != w.net.no_body) w.graph.island_with(w.net.first_body).has_net = true;
+}
+
+/// Returns the contacts of a group in the graph.
+template <class Contacts, std::size_t N>
+TouchingContacts& contacts_of(const NearGroup& group, BodyContactScratch<Contacts, N>& w) noexcept {
+  if constexpr (Contacts::between_bodies)
+    if (group.pair != NearGroup::no_pair) return w.graph.pairs[group.pair];
+  return w.graph.bodies[w.near.list[group.first].a];
 }
 
 /// True for a parent or child of a joint; joints carry forces that its contacts do not.

@@ -19,13 +19,6 @@ struct Link {
   std::uint32_t k = 0;  // number of the near contact
 };
 
-/// Number of ends that links may have.
-template <class Contacts, std::size_t N>
-constexpr std::size_t max_ends() noexcept {
-  if constexpr (Contacts::has_net) return N + Contacts::Net::max_nodes / 2 + 1;
-  else return N;
-}
-
 /// Returns the end that a node belongs to: its carrier, or its floating net of the world. Other nodes are
 /// held by anchors, as by the world.
 template <class Contacts, std::size_t N>
@@ -99,7 +92,10 @@ const NearContact& add_to_bearing(std::uint32_t k, const Near& of, Forces& force
 /// added to contacts of their nodes and to attachments, which are in no wrench.
 template <class Contacts, std::size_t N>
 struct Missing {
-  static constexpr std::size_t max = max_ends<Contacts, N>();
+  static constexpr std::size_t max = [] {
+    if constexpr (Contacts::has_net) return N + Contacts::Net::max_nodes / 2 + 1;
+    else return N;
+  }();
   std::array<Vec3, max> F_W, by_net;
 
   Missing() noexcept {

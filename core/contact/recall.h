@@ -2,21 +2,11 @@
 // stretch (51), energy (38).
 #pragma once
 
-#include <cmath>
-#include <limits>
-
 #include "core/contact/anchors.h"
 #include "core/contact/contact.h"
 #include "core/contact/memory.h"
 
 namespace godobject {
-
-/// Returns the largest penetration stored without measured approach (35), m. Its spring holds the energy of
-/// the lighter body, of mass m, at the depenetration velocity. A larger one would drive stiff bodies apart
-/// that rotated into each other unpredicted.
-inline Real max_stored_penetration(const ContactLaw& law, Real m) noexcept {
-  return law.k > 0 ? law.push_out * std::sqrt(m / law.k) : std::numeric_limits<Real>::infinity();
-}
 
 /// Memory of one or four contacts. A new contact has no normal.
 template <class T>
@@ -45,22 +35,6 @@ inline ContactPastOf<Pack> gathered(const std::array<const ContactMemory*, 4>& o
           .F_n = numbers(&ContactMemory::F_n)};
 }
 
-/// Law of contacts in a stage of length h (24). A law of zeros carries no force.
-template <class T>
-struct StageLawOf {
-  T k = 0;                       // N/m
-  T eta_n = 0;                   // N s/m
-  T eta_n_h = 0;                 // eta_n / h, N/m
-  T max_eta_t = 0;               // eta_t of a sticking contact point, N s/m
-  T v_per_xi = 0;                // k_t / max_eta_t, 1/s
-  T mu = 0;                      // Coulomb friction
-  T kept = 0;                    // share of xi that remains at the end of a stage without friction
-  T given = 0;                   // change of xi per friction force, m/N
-  T max_decrease = 0;            // largest decrease of e in the stage, m
-  T max_lag = 0;                 // largest distance of a decreasing e below the depth, m
-  T max_stored_penetration = 0;  // m (35)
-};
-
 /// Contacts as found for a stage.
 template <class T>
 struct ContactStartOf {
@@ -81,20 +55,6 @@ struct InitialContactOf {
   T found;  // J, (38): energy of its spring at the start of the stage in excess of that at the end of
             // the previous one
 };
-
-/// Returns the relaxed rest penetration (35): decreases by at most max_decrease, never below d - max_lag nor
-/// below 0.
-template <class T>
-T relax_offset(const T& e, const T& d, const T& max_decrease, const T& max_lag) noexcept {
-  return max(min(e, max(e - max_decrease, d - max_lag)), T(0));
-}
-
-/// Returns the change of energy of a contact spring (38), J. before: compression at the end of a stage, m.
-/// now: compression at the start of the next.
-template <class T>
-T spring_energy_change(const T& k, const T& before, const T& now) noexcept {
-  return T(0.5) * k * (now * now - before * before);
-}
 
 /// True for jointed bodies in contact with bodies, without nets: second-order steps also check for
 /// unexplained penetration (35).
@@ -129,7 +89,7 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
   if (stage.is_joined())
     beyond *= select(past.slip_dot_W.squaredNorm() * T(h * h) < beyond.squaredNorm(), T(1), T(0));
   const Vector3<T> xi = seen.before_W + beyond;
-  T offset = relax_offset(past.e, start.d_0, law.max_decrease, law.max_lag);
+  T offset = relax_offset(law, past.e, start.d_0);
   if (stage.is_joined()) offset += max(start.d_0 - past.e - past.pressed - law.max_stored_penetration, T(0));
   const T relaxed = select(T(0) < past.pressed, past.pressed + past.e - offset, T(0));
   const T now = stage.is_joined() ? T(max(start.d_0 - offset, T(0))) : relaxed;
@@ -139,16 +99,16 @@ InitialContactOf<T> recalled(const StageLawOf<T>& law, const ContactStage& stage
           .slip_dot_W = select(known, past.slip_dot_W, none),
           .e = select(known, offset, e_new),
           .F_n = select(known, max(past.F_n, T(0)), T(-1)),
-          .found = select(known, spring_energy_change(law.k, past.pressed, now),
-                          spring_energy_change(law.k, T(0), now_new))};
+          .found = select(known, spring_energy_change(law, past.pressed, now),
+                          spring_energy_change(law, T(0), now_new))};
 }
 
 /// Contact data from the start of the stage needed to update the memory at its end.
 template <class T>
 struct InitialMemoryOf {
   InitialContactOf<T> contact;
-  Vector3<T> v_W;           // predicted velocity of the contact point, m/s
-  T kept, given, v_per_xi;  // of the law
+  Vector3<T> v_W;  // predicted velocity of the contact point, m/s
+  StickingOf<T> sticking;
 };
 
 /// Contacts at the end of a stage of length h.
@@ -169,10 +129,9 @@ ContactPastOf<T> carried_over(const InitialMemoryOf<T>& initial, const ContactSt
   const Vector3<T>&n_W = end.n_W, &xi_0 = initial.contact.xi_W;
   const T F_n = n_W.dot(end.F_W);
   const Vector3<T> none = Vector3<T>::Constant(T(0));
-  // spring and damper of (23) move with the contact point; the difference has slipped
   const Vector3<T> xi =
-      select(T(0) < F_n, Vector3<T>(xi_0 * initial.kept - (end.F_W - n_W * F_n) * initial.given), none);
-  const Vector3<T> v_t = end.s_W - xi_0 * initial.v_per_xi;
+      select(T(0) < F_n, stretch_at_end<T>(initial.sticking, xi_0, end.F_W - n_W * F_n), none);
+  const Vector3<T> v_t = end.s_W - slip_by_stretch(initial.sticking, xi_0);
   const Vector3<T> slip_dot = v_t - (xi - xi_0) * T(1 / h);
   const Vector3<T> beyond = v_t - initial.v_W;
   return {

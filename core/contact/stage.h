@@ -1,11 +1,7 @@
 // Contacts of a body during a stage, four at a time.
 //
-// At the end of a stage (22) and (23) are linear in the velocity v of the contact point within a mode (open,
-// stick, slip). With the geometry at the predicted end of the stage, and d_0 the depth at its start,
-//
-//   (24)  F_n = k (d_0 - h v_n - e) - c v_n  = F_0 - eta_n v_n,   eta_n = h k + c;
-//         open, F_0 = eta_n d_0 / h
-//         F_t = -eta_t s,  s = v_t + k_t xi_0 / (h k_t + c_t),  eta_t = min(h k_t + c_t, mu F_n / |s|)
+// Within a mode (open, stick, slip) the forces of the law are linear in the velocity v of the contact point
+// (24), F_n = F_0 - eta_n v_n and F_t = -eta_t s.
 //
 // A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
 // A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set.
@@ -29,13 +25,12 @@ namespace godobject {
 enum class Pass { by_tangent, by_secant, unchanged };
 
 /// Four contacts of a body with the world, or with one other body.
-struct ContactPack {
+struct ContactPack : NormalForceOf<Pack>, FrictionOf<Pack> {
   bool changed = true;  // true if the last update changed one of their modes
   Vector3<Pack> r, n;   // r: lever from the point of the body's twist to the contact point; n: normal off the
                         // surface
-  Pack d_0, F_0, eta_n;
+  Pack d_0;
   Vector3<Pack> v_xi;
-  Pack max_eta_t, mu;
   // mode
   Pack active;  // 1 if active, else 0
   Pack eta_t;
@@ -49,20 +44,19 @@ using InitialMemoryPack = InitialMemoryOf<Pack>;
 
 /// Initialises contacts: xi_W and n_W on the side of their body, r from the point of its twist. F: predicted
 /// forces.
-inline void set_contacts(const StageLawOf<Pack>& law, const InitialContactOf<Pack>& initial, const Pack& side,
+inline void set_contacts(const StageLawOf<Pack>& law, const InitialMemoryPack& initial, const Pack& side,
                          const Vector3<Pack>& n_W, const Vector3<Pack>& r, const Pack& d_0, const Pack& v_n,
-                         ContactPack& pack) noexcept {
+                         Real h, ContactPack& pack) noexcept {
   pack.r = r;
   pack.n = n_W * side;
-  pack.v_xi = initial.xi_W * (law.v_per_xi * side);
+  pack.v_xi = slip_by_stretch(initial.sticking, initial.contact.xi_W) * side;
   pack.d_0 = d_0;
-  pack.F_0 = select(d_0 < 0, law.eta_n_h * d_0, law.k * (d_0 - initial.e));
-  pack.eta_n = law.eta_n;
-  pack.max_eta_t = law.max_eta_t;
-  pack.mu = law.mu;
+  static_cast<NormalForceOf<Pack>&>(pack) = normal_force<Pack>(law, d_0, initial.contact.e, v_n, h);
+  static_cast<FrictionOf<Pack>&>(pack) = friction_of(law);
   // normal force of the previous stage; for a new contact, that at the predicted velocities. Colliding bodies
   // slow down within the step, so at predicted velocities too many contacts are active, too hard.
-  const Pack F_n = select(initial.F_n < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), initial.F_n);
+  const Pack F_before = initial.contact.F_n;
+  const Pack F_n = select(F_before < 0, max(pack.F_0 - pack.eta_n * v_n, Pack(0)), F_before);
   pack.F = pack.n * F_n;
 }
 
@@ -101,17 +95,13 @@ inline Pack above_zero(const Pack& speed) noexcept {
 }
 /// Returns the slip speed, above zero, for divisions.
 inline Pack speed_of(const Vector3<Pack>& s) noexcept { return above_zero(sqrt(s.squaredNorm())); }
-/// Returns eta_t of (24) at a slip speed.
-inline Pack friction(const ContactPack& c, const Pack& speed, const Pack& F_n) noexcept {
-  return min(c.mu * F_n / speed, c.max_eta_t);
-}
 
 /// Linearises slipping contacts by their tangents. s: slip, F_n: normal forces.
 inline void set_tangents(ContactPack& c, const Vector3<Pack>& s, const Pack& speed,
                          const Pack& F_n) noexcept {
   const Pack slips = select(c.eta_t < c.max_eta_t, Pack(1), Pack(0));
   c.u = s * (slips / speed);
-  c.f_slip = slips * c.mu * F_n;
+  c.f_slip = slips * slipping_friction<Pack>(c, F_n);
 }
 
 /// True if friction linearised along the slip does work on one of the contacts.
@@ -134,7 +124,7 @@ void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& resi
   const Pack speed = speed_of(s);
   const Pack F_n = c.F_0 - c.eta_n * v_n;
   const Pack law_n = max(F_n, Pack(0));
-  const Pack law_eta = friction(c, speed, law_n);
+  const Pack law_eta = friction<Pack>(c, speed, law_n);
   Vector3<Pack> F_t = s * -c.eta_t;
   if constexpr (tangents) F_t += c.u * (c.eta_t * c.u.dot(s) - c.f_slip);
   c.F = c.n * (c.active * F_n) + F_t;
@@ -146,7 +136,7 @@ void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& resi
   c.active = active;
   Pack slip_eta = law_eta;
   if constexpr (!std::is_same_v<SlipPrediction, CurrentSpeed>)
-    slip_eta = friction(c, ahead(c, s, speed, law_n), law_n);
+    slip_eta = friction<Pack>(c, ahead(c, s, speed, law_n), law_n);
   // if friction reversed the slip, iterations would alternate: the contact sticks, or slips the other way
   // from there
   if constexpr (tangents) slip_eta = select(c.u.dot(s) < 0, c.active * c.max_eta_t, slip_eta);
@@ -172,7 +162,7 @@ void predict(ContactPack& c, const Velocity& V) noexcept {
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
   const Pack speed = speed_of(s);
   c.active = mode_of(F_n);
-  c.eta_t = friction(c, speed, F_n);
+  c.eta_t = friction<Pack>(c, speed, F_n);
   if constexpr (tangents) set_tangents(c, s, speed, F_n);
 }
 

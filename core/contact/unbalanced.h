@@ -24,12 +24,13 @@ Real speed_sq_of(const Stages&, NetNodeNumber, const Column& v) noexcept {
 inline Real force_sq(const SpatialVector& F) noexcept { return dot(F.v, F.v); }
 inline Real force_sq(const Column& F) noexcept { return dot(F, F); }
 
-/// Returns the square of the largest impulse in F that joints cannot carry. F: impulses on the bodies of a
-/// system, about their centres of mass; overwritten. A torque tau about an axis counts as the force tau
-/// sqrt(m / I), with the same energy for an impulse.
-template <class System, class Stages, class Vector>
-Real largest_residual_sq(const System& system, const Stages& stages, Vector& F) noexcept {
+/// Returns the largest impulse of r that joints cannot carry. A torque tau about an axis counts as the force
+/// tau sqrt(m / I), with the same energy for an impulse.
+template <class System, class Contacts, std::size_t N>
+Real largest_residual(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
+  auto& F = w.x.Ap;
   Real most = 0;
+  system.each([&](auto u) noexcept { F[u] = w.x.r[u]; });
   system.each([&](auto u) noexcept {  // children before parents
     const BlockJoint* joint = system.joint_of(u);
     if (joint == nullptr) {
@@ -39,19 +40,12 @@ Real largest_residual_sq(const System& system, const Stages& stages, Vector& F) 
     if constexpr (std::is_same_v<decltype(u), std::uint32_t>) {
       for (std::size_t a = 0; a < static_cast<std::size_t>(joint->num_axes); ++a) {
         const Real tau = dot(joint->s[a], F[u]);
-        most = std::max(most, tau * tau / speed_sq(stages[u], joint->s[a]));
+        most = std::max(most, tau * tau / speed_sq(w.stages[u], joint->s[a]));
       }
       if (joint->has_parent()) F[joint->parent] = F[joint->parent] + moved_wrench(F[u], joint->d);
     }
   });
-  return most;
-}
-
-/// Returns the largest unbalanced impulse of r.
-template <class System, class Contacts, std::size_t N>
-Real largest_residual(const System& system, BodyContactScratch<Contacts, N>& w) noexcept {
-  system.each([&](auto u) noexcept { w.x.Ap[u] = w.x.r[u]; });
-  return std::sqrt(largest_residual_sq(system, w.stages, w.x.Ap));
+  return std::sqrt(most);
 }
 
 }  // namespace godobject

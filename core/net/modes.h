@@ -50,7 +50,7 @@ template <class Net, std::size_t N>
 auto predicted_slip(std::size_t pack, Real h, const NetStage<Net, N>& w) noexcept {
   return [=, &w](const ContactPack& c, const Vector3<Pack>& s, const Pack& speed, const Pack& F_n) noexcept {
     const Pack give = compliance(pack, s * (1 / speed), c.eta_t * h, h, w);
-    return above_zero(speed + give * (c.eta_t * speed + c.f_slip - c.mu * F_n));
+    return above_zero(speed + give * (c.eta_t * speed + c.f_slip - slipping_friction<Pack>(c, F_n)));
   };
 }
 
@@ -87,7 +87,7 @@ void predict_friction(Real h, NetStage<Net, N>& w) noexcept {
     const Pack F_n = max(F_before + (c.F_0 - c.eta_n * v_n - F_before) / stiffer, Pack(0));
     const Vector3<Pack> s = (v - c.n * v_n + c.v_xi) * c.active;
     const Pack speed = speed_of(s);
-    c.eta_t = c.active * friction(c, speed, F_n);
+    c.eta_t = c.active * friction<Pack>(c, speed, F_n);
     if (w.par->max_iterations == 1) continue;
     set_tangents(c, s, speed, F_n);
     c.eta_t = select(c.eta_t < c.max_eta_t, Pack(0), c.eta_t);

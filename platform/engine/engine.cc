@@ -9,12 +9,19 @@
 namespace godobject {
 namespace {
 
-/// Returns all compositions, smallest first. To add one: a line in one of the three files.
+/// Returns the compositions of the files in GODOBJECT_COMPOSITIONS, smallest first. To add one: a line in one
+/// of these files.
 std::vector<CompositionRow> table() {
   std::vector<CompositionRow> rows;
+#ifdef GODOBJECT_HAS_COMPOSITIONS_free
   add_free(rows);
+#endif
+#ifdef GODOBJECT_HAS_COMPOSITIONS_contacts
   add_contacts(rows);
+#endif
+#ifdef GODOBJECT_HAS_COMPOSITIONS_many
   add_many(rows);
+#endif
   std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
     return a.composition.bytes() < b.composition.bytes();
   });
@@ -86,7 +93,9 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +
                            "' (" + (parts.empty() ? "free bodies" : parts) + ")";
   if (candidates.empty())
-    return "no compiled composition has " + what + ": change the integrator, or add a composition";
+    return "no compiled composition has " + what +
+           ": change the integrator, compile all of GODOBJECT_COMPOSITIONS (./dev build), or add a "
+           "composition";
   return "no compiled composition with " + what + " is large enough for " +
          too_many(candidates, needs, scene) + ": reduce them, or add a composition";
 }

@@ -227,7 +227,7 @@ def follow_page(text, source=None, program=None, build=None, before=""):
 def python_for_hil():
     """A Python with the packages of tests/hil, or None."""
     for python in ("/usr/bin/python3", sys.executable):
-        if subprocess.run([python, "-c", "import can, pytest"], capture_output=True).returncode == 0:
+        if subprocess.run([python, "-c", "import pytest"], capture_output=True).returncode == 0:
             return python
     return None
 
@@ -236,10 +236,10 @@ def missing_tools(text):
     commands = "".join(b.text for b in blocks_of(text) if b.language == "sh")
     needed = {tool for tool in TOOLS if re.search(rf"^{re.escape(tool)} ", commands, re.M)}
     needed |= {"gnuplot"} if "./dev plot" in commands else set()
-    needed |= {"python3-can"} if "pytest" in commands else set()
+    needed |= {"python3-pytest"} if "pytest" in commands else set()
 
     def is_there(tool):
-        return bool(python_for_hil()) if tool == "python3-can" else shutil.which(tool) is not None
+        return bool(python_for_hil()) if tool == "python3-pytest" else shutil.which(tool) is not None
 
     return sorted(tool for tool in needed if not is_there(tool))
 

@@ -3,7 +3,7 @@ import importlib.util
 import sys
 from pathlib import Path
 
-PACKAGES = {"pytest": "python3-pytest", "can": "python3-can"}
+PACKAGES = {"pytest": "python3-pytest"}
 
 missing = [debian for module, debian in PACKAGES.items() if importlib.util.find_spec(module) is None]
 if missing:

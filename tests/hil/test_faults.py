@@ -1,11 +1,11 @@
 """Table of docs/faults.md on the wire: every fault, its promised reaction, within its time."""
 import pytest
 
-import godobject_hil as hil
-from conftest import ATTEMPTS, BUS
+from godobject import hil
 from fault_promises import Times, duration_of, promises, words_for
 
-NODES = (1, 2, 11, 12)  # of rig.toml
+pytestmark = pytest.mark.simulated
+
 WATCHDOG_S = 0.1  # deadline_ms of patient-402.toml
 # Delay from a command on standard input to the cycle of its injection, with margin for a late wake-up.
 LATE_S = 0.05
@@ -17,47 +17,36 @@ STARVED = {"sample_stale", "drive_silent", "emergency", "drive_not_enabled", "de
 
 
 @pytest.mark.parametrize("promise", promises(), ids=lambda promise: promise.played.replace(" ", "-"))
-def test_promise_is_kept(promise, start_enabled, simulator, scene):
+def test_promise_is_kept(promise, rig, scene):
     times = Times(scene)
     words = words_for(promise, times)
     if promise.motors == "torque stays" and words.startswith("delay") and float(words.split("=")[-1]) > times.loss:
         pytest.skip("with the scene's stale_after that is lost: another line has it")
     always = set(promise.always) - NOT_OVER_A_BUS
-    for _ in range(ATTEMPTS):
-        host = start_enabled()
-        if not pulls(simulator):
-            host.stop()
+    for _ in range(hil.ATTEMPTS):
+        run = rig.run_enabled()
+        if not pulls(rig):
+            run.stop()
             continue
-        zero_after_s = play(words, promise, times, simulator)
-        assert host.stop() is not None, "godobject run did not end by itself"
-        recover(simulator)
-        names = host.faults()
-        if missed_deadlines(host):
+        zero_after_s = play(words, promise, times, rig)
+        assert run.stop() is not None, "godobject run did not end by itself"
+        rig.recover()
+        names = run.faults()
+        if run.missed_deadlines():
             names -= {"held"}  # a busy machine holds a run for more than 5 % of its time; the played fault does not
         in_time = not always or zero_after_s <= zero_within(words, promise, times)
         as_promised = always <= names <= always | promise.maybe
         if as_promised and in_time:
             return
-        assert names ^ always <= STARVED | promise.maybe, host.fault_text()
+        assert names ^ always <= STARVED | promise.maybe, run.fault_text()
         # A late zero is repeated only if the run was late, otherwise persisting torque could pass a retry.
-        assert not as_promised or missed_deadlines(host), late_text(words, promise, times, zero_after_s, host)
-    pytest.fail(f"{ATTEMPTS} times; the last: " + late_text(words, promise, times, zero_after_s, host))
+        assert not as_promised or run.missed_deadlines(), late_text(words, promise, times, zero_after_s, run)
+    pytest.fail(f"{hil.ATTEMPTS} times; the last: " + late_text(words, promise, times, zero_after_s, run))
 
 
-def recover(simulator):
-    """Ends all faults. Controllers that went bus-off restart, otherwise no later try could boot its nodes."""
-    simulator.clear()
-    for place in (f"bus={BUS}", *(f"bus={BUS} node={node}" for node in NODES)):
-        simulator.fault("restart " + place)
-
-
-def missed_deadlines(host):
-    return host.report()["timing"]["missed_deadlines"]
-
-
-def late_text(words, promise, times, zero_after_s, host):
+def late_text(words, promise, times, zero_after_s, run):
     return (f"torque for {zero_after_s:.3f} s, promised {zero_within(words, promise, times):.3f} s; "
-            f"{missed_deadlines(host)} deadlines missed\n{host.fault_text()}")
+            f"{run.missed_deadlines()} deadlines missed\n{run.fault_text()}")
 
 
 def zero_within(words, promise, times):
@@ -70,41 +59,40 @@ def zero_within(words, promise, times):
     return LATE_S + (max(down, WATCHDOG_S + 2 * times.cycle) if promise.motors == "watchdog" else down)
 
 
-def pulls(simulator):
+def pulls(rig):
     """True if there is torque, which the fault must remove."""
     try:
-        return hil.wait_for(lambda: simulator.torque_Nm() > 0, 5, "torque before the fault")
+        rig.wait_for_torque(timeout_s=5)
+        return True
     except hil.TimedOut:
         return False
 
 
-def play(words, promise, times, simulator):
+def play(words, promise, times, rig):
     """Injects a fault and returns the time to the last torque, s; observes until all promised times are over."""
-    started = simulator.fault(words)["t_s"]
+    started = rig.fault(words).rig_s
     longest = max((times.of(within, duration_of(words)) for within in promise.always.values()), default=0)
     end = started + longest + MORE_S
-    status = hil.wait_for(lambda: (s := simulator.status())["t_s"] > end and s, 10 + longest, "the time of the promise")
-    return last_torque_s(status) - started
+    return last_torque_s(rig.wait_until(end)) - started
 
 
 def last_torque_s(status):
     return max(drive["nonzero_at_s"] for drive in status["drives"])
 
 
-def test_unknown_fault_is_refused(simulator):
+def test_unknown_fault_is_refused(rig):
     with pytest.raises(AssertionError, match="unknown verb"):
-        simulator.fault("dorp bus=can0")
+        rig.fault("dorp bus=can0")
 
 
-def test_every_place_of_a_fault_is_in_the_report(start_enabled, simulator):
-    host = start_enabled()
-    simulator.fault("unplug bus=can0")
-    hil.wait_for(lambda: simulator.torque_Nm() == 0, 5, "motors at zero")
-    started = simulator.status()["t_s"]
-    hil.wait_for(lambda: simulator.status()["t_s"] > started + 1, 5, "a second")
-    host.stop()
-    simulator.clear()
-    text = host.fault_text()
+def test_every_place_of_a_fault_is_in_the_report(rig):
+    run = rig.run_enabled()
+    rig.fault("unplug bus=can0")
+    rig.wait_for_zero_torque(5)
+    rig.wait_until(rig.status()["t_s"] + 1)
+    run.stop()
+    rig.clear()
+    text = run.fault_text()
     for node in (1, 2):
         assert f"sample_stale: (can0 node {node}," in text, text
     for node in (11, 12):

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-import godobject_hil as hil
-from conftest import ATTEMPTS, became_enabled
+from godobject import hil
+
+pytestmark = pytest.mark.repeats_if_starved
 
 SOURCE = Path(__file__).parents[2]
 STEP_S = 0.01  # step in rig.toml
@@ -71,15 +72,15 @@ def scene(tmp_path):
 class Run:
     """A run that commands torque, and its frames on the bus."""
 
-    def __init__(self, outsider, host, mark, slack_s, end_s):
-        self.outsider, self.host, self.mark, self.slack_s, self.end_s = outsider, host, mark, slack_s, end_s
+    def __init__(self, bus, host, mark, slack_s, end_s):
+        self.bus, self.host, self.mark, self.slack_s, self.end_s = bus, host, mark, slack_s, end_s
 
     def commands(self, mark):
-        return [f for f in self.outsider.since(mark, kind=hil.RPDO1) if len(f.data) == 4]
+        return [f for f in self.bus.since(mark, kind=hil.RPDO1) if len(f.data) == 4]
 
     def wait_for_torque(self, per_mille=10):
-        mark = self.outsider.mark()
-        self.outsider.wait_for(lambda f: f.kind == hil.RPDO1 and abs(f.target_per_mille) >= per_mille, 5,
+        mark = self.bus.mark()
+        self.bus.wait_for(lambda f: f.kind == hil.RPDO1 and abs(f.target_per_mille) >= per_mille, 5,
                                f"{per_mille} per mille of torque", mark)
 
     def now(self):
@@ -87,7 +88,7 @@ class Run:
         last = {f.node: f for f in self.commands(self.mark)}
         torque_Nm = max(abs(f.target_per_mille) for f in last.values()) * 1e-3 * RATED_NM
         # Commands in transit or of the present cycle may have more torque.
-        return self.outsider.mark(), time.time(), torque_Nm / RATE_NM_PER_S + 2 * STEP_S
+        return self.bus.mark(), hil.now(), torque_Nm / RATE_NM_PER_S + 2 * STEP_S
 
     def expect_zero(self, way, event):
         mark, t_event, ramp_s = event
@@ -102,7 +103,7 @@ class Run:
     def expect_last_frames(self, mark):
         """Expects disable voltage with zero torque to every drive, then pre-operational to every node, then no frame."""
         time.sleep(0.1)
-        of_host = [f for f in self.outsider.since(mark)
+        of_host = [f for f in self.bus.since(mark)
                    if f.kind in (hil.SYNC, hil.NMT, hil.RPDO1) or f.kind == hil.HEARTBEAT and f.node not in NODES]
         last = [(f.kind, f.node, f.controlword if f.kind == hil.RPDO1 else f.nmt_command,
                  f.target_per_mille if f.kind == hil.RPDO1 else 0) for f in of_host[-6:]]
@@ -111,48 +112,34 @@ class Run:
 
     def end(self, timeout_s=8):
         """Ends the run and returns its exit code."""
-        self.host.popen.send_signal(signal.SIGTERM)
-        return self.host.popen.wait(timeout_s)
+        self.host.send_signal(signal.SIGTERM)
+        return self.host.wait(timeout_s)
 
 
 @pytest.fixture
-def start(rig, program, scene, tier, tmp_path):
+def start(rig, program, tier):
     """Starts `godobject run` and waits for torque."""
     hosts = []
     end_s = END_S * (2 if hil.is_sanitized(program) else 1)
 
     def begin(*arguments, **popen):
-        for _ in range(ATTEMPTS):
-            mark = rig.outsider.mark()
-            host = hil.Host(program, scene, [rig.address], tmp_path, arguments) if not popen else \
-                PlainHost(program, scene, rig.address, tmp_path, arguments, popen)
+        for _ in range(hil.ATTEMPTS):
+            marks = rig.marks()
+            host = rig.start_run(*arguments, record=not popen, **popen)
             hosts.append(host)
-            if became_enabled(rig.outsider, host, mark):
-                run = Run(rig.outsider, host, mark, SLACK_S.get(tier, 0.08), end_s)
+            if rig.wait_until_enabled(host, marks=marks):
+                run = Run(rig.bus, host, marks[rig.bus.bus], SLACK_S.get(tier, 0.08), end_s)
                 try:
                     run.wait_for_torque()
                     return run
                 except hil.TimedOut:  # in fault, because the machine stalled it
                     run.end()
-        pytest.fail(f"godobject run commanded no torque {ATTEMPTS} times")
+        pytest.fail(f"godobject run commanded no torque {hil.ATTEMPTS} times")
 
     yield begin
     for host in hosts:
-        if host.running():
-            host.popen.kill()
-            host.popen.wait()
-
-
-class PlainHost:
-    """`godobject run` with output streams chosen by the test."""
-
-    def __init__(self, program, scene, address, folder, arguments, popen):
-        self.report_path = Path(folder) / "report.json"
-        self.popen = subprocess.Popen([program, "run", scene, "--bus", address, "--report", str(self.report_path),
-                                       *arguments], **popen)
-
-    def running(self):
-        return self.popen.poll() is None
+        if host.running:
+            host.kill()
 
 
 def test_every_row_has_its_test():
@@ -165,7 +152,7 @@ def test_every_row_has_its_test():
 
 def test_last_cycle(start):
     run = start("--duration", "3")
-    run.host.popen.wait(15)
+    run.host.wait(15)
     run.expect_last_frames(run.mark)
 
 
@@ -173,8 +160,8 @@ def test_last_cycle(start):
 def test_a_signal_runs_down(start, name):
     run = start()
     event = run.now()
-    run.host.popen.send_signal(number(name))
-    assert run.host.popen.wait(8) in (0, 1), run.host.error_text()
+    run.host.send_signal(number(name))
+    assert run.host.wait(8) in (0, 1), run.host.error_text()
     run.expect_zero(name, event)
     run.expect_last_frames(event[0])
     assert run.host.report()["stopped_by"] == name
@@ -184,11 +171,11 @@ def test_a_signal_runs_down(start, name):
 def test_a_second_signal_is_a_quick_stop(start):
     run = start()
     run.wait_for_torque(15)
-    run.host.popen.send_signal(signal.SIGINT)
+    run.host.send_signal(signal.SIGINT)
     time.sleep(0.05)
     event = run.now()
-    run.host.popen.send_signal(signal.SIGINT)
-    assert run.host.popen.wait(8) == 1
+    run.host.send_signal(signal.SIGINT)
+    assert run.host.wait(8) == 1
     run.expect_zero("second signal", event)
     run.expect_last_frames(event[0])
     assert {f.node for f in run.commands(event[0]) if f.controlword == 0x0002} == set(DRIVES)
@@ -200,8 +187,8 @@ def test_a_second_signal_is_a_quick_stop(start):
 def test_a_defect_leaves_time_for_the_last_frames(start, name):
     run = start()
     event = run.now()
-    run.host.popen.send_signal(number(name))
-    assert run.host.popen.wait(8) == -number(name)
+    run.host.send_signal(number(name))
+    assert run.host.wait(8) == -number(name)
     run.expect_zero(name, event)
     run.expect_last_frames(event[0])
     assert f"ended by {name}; the drives were commanded" in run.host.error_text()
@@ -210,36 +197,36 @@ def test_a_defect_leaves_time_for_the_last_frames(start, name):
 @pytest.mark.parametrize("name", IGNORED)
 def test_a_signal_that_ends_nothing(start, name):
     run = start()
-    mark = run.outsider.mark()
-    run.host.popen.send_signal(number(name))
+    mark = run.bus.mark()
+    run.host.send_signal(number(name))
     time.sleep(0.3)
     run.wait_for_torque()
-    assert not run.outsider.since(mark, kind=hil.NMT)
+    assert not run.bus.since(mark, kind=hil.NMT)
     assert run.end() in (0, 1)
     run.expect_last_frames(mark)
 
 
 @pytest.mark.parametrize("name", UNNOTICED)
 def test_what_the_host_does_not_notice_is_the_drives(start, rig, name):
-    if rig.simulator is None:
+    if not rig.is_simulated:
         pytest.skip("asks the simulator for the torque")
     run = start()
-    mark, t_event = run.outsider.mark(), time.time()
-    run.host.popen.send_signal(number(name))
-    frame = run.outsider.wait_for(lambda f: f.kind == hil.EMCY and f.node in DRIVES, 5, "a drive's emergency", mark)
+    mark, t_event = run.bus.mark(), hil.now()
+    run.host.send_signal(number(name))
+    frame = run.bus.wait_for(lambda f: f.kind == hil.EMCY and f.node in DRIVES, 5, "a drive's emergency", mark)
     assert frame.time - t_event < DEADLINE_S + run.slack_s
-    hil.wait_for(lambda: rig.simulator.torque_Nm() == 0, 1, "no torque")
-    run.host.popen.kill()
+    rig.wait_for_zero_torque(1)
+    run.host.kill()
 
 
 def ends_nothing(run, event, seconds=0.5):
     """Expects that the run continues to command torque, then ends in time. Returns the exit code."""
     time.sleep(seconds)
     run.wait_for_torque()
-    assert not run.outsider.since(event, kind=hil.NMT)
-    mark, t_begin = run.outsider.mark(), time.time()
+    assert not run.bus.since(event, kind=hil.NMT)
+    mark, t_begin = run.bus.mark(), hil.now()
     code = run.end(2 * run.end_s)
-    assert time.time() - t_begin < run.end_s
+    assert hil.now() - t_begin < run.end_s
     run.expect_last_frames(mark)
     return code
 
@@ -249,7 +236,7 @@ def test_pipe_closed(start):
     run = start(stdout=writing, stderr=writing)
     os.close(writing)
     os.read(reading, 20)
-    event = run.outsider.mark()
+    event = run.bus.mark()
     os.close(reading)
     assert ends_nothing(run, event, 2.5) in (0, 1)
 
@@ -258,7 +245,7 @@ def test_terminal_gone(start):
     master, slave = pty.openpty()
     run = start(stdout=slave, stderr=slave)
     os.close(slave)
-    event = run.outsider.mark()
+    event = run.bus.mark()
     os.close(master)
     assert ends_nothing(run, event, 2) in (0, 1)
 
@@ -266,7 +253,7 @@ def test_terminal_gone(start):
 def test_terminal_stopped(start):
     master, slave = pty.openpty()
     run = start(stdout=slave, stderr=slave)
-    event = run.outsider.mark()
+    event = run.bus.mark()
     termios.tcflow(slave, termios.TCOOFF)
     assert ends_nothing(run, event, 2) in (0, 1)
     os.close(slave)
@@ -283,7 +270,7 @@ def test_reader_gone(start, tmp_path):
     os.mkfifo(fifo)
     reading = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
     run = start("--trace", fifo)
-    event = run.outsider.mark()
+    event = run.bus.mark()
     os.close(reading)
     assert ends_nothing(run, event, 2) == 1
     assert lost(run, fifo)
@@ -293,7 +280,7 @@ def test_nobody_reads(start, tmp_path):
     fifo = str(tmp_path / "trace.fifo")
     os.mkfifo(fifo)
     run = start("--trace", fifo)
-    assert ends_nothing(run, run.outsider.mark()) == 1
+    assert ends_nothing(run, run.bus.mark()) == 1
     assert re.search(r"lacks \d+ lines", lost(run, fifo)[0])
 
 
@@ -301,16 +288,16 @@ def test_file_size_limit(start, tmp_path):
     trace = str(tmp_path / "trace.csv")
     run = start("--trace", trace, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)))
-    assert ends_nothing(run, run.outsider.mark(), 3) == 1
+    assert ends_nothing(run, run.bus.mark(), 3) == 1
     assert "File too large" in (run.host.report_path.read_text())
 
 
 def test_fault_of_the_rig(start, rig):
-    if rig.simulator is None:
+    if not rig.is_simulated:
         pytest.skip("plays a fault")
     run = start()
     event = run.now()
-    rig.simulator.fault("emcy bus=can0 node=1 value=0x5000")
+    rig.fault("emcy bus=can0 node=1 value=0x5000")
     time.sleep(1)
     run.expect_zero("fault of the rig", event)
     assert run.end() == 1
@@ -323,18 +310,18 @@ def test_fault_of_the_rig(start, rig):
 
 
 def test_rearming_is_told(start, rig):
-    if rig.simulator is None:
+    if not rig.is_simulated:
         pytest.skip("plays a fault")
     run = start("--rearm", "auto")
-    mark = run.outsider.mark()
-    rig.simulator.fault("emcy bus=can0 node=1 value=0x5000")
+    mark = run.bus.mark()
+    rig.fault("emcy bus=can0 node=1 value=0x5000")
 
-    def told():  # pread, because the program writes at the position of the file
-        text = os.pread(run.host.errors.fileno(), 1 << 20, 0).decode()
-        return re.findall(r"^at \d+\.\d+ s: (FAULT emergency|the device is lost|ARMED again)", text, re.M)
+    def told():
+        return [word for _, text in run.host.console()
+                for word in re.findall("^(FAULT emergency|the device is lost|ARMED again)", text)]
 
     hil.wait_for(lambda: "ARMED again" in told(), 10, "the host arms again")
-    run.outsider.wait_for(lambda f: f.kind == hil.RPDO1 and f.target_per_mille != 0, 5, "torque", mark)
+    run.bus.wait_for(lambda f: f.kind == hil.RPDO1 and f.target_per_mille != 0, 5, "torque", mark)
     assert told()[:3] == ["FAULT emergency", "the device is lost", "ARMED again"]
     run.end()
     assert {"fault", "lost", "armed"} <= {event["event"] for event in run.host.report()["events"]}

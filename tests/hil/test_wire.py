@@ -6,7 +6,9 @@ import subprocess
 
 import pytest
 
-import godobject_hil as hil
+from godobject import hil
+
+pytestmark = pytest.mark.repeats_if_starved
 
 PERIOD_S = 10e-3  # step in rig.toml
 ENCODERS, DRIVES = (1, 2), (11, 12)
@@ -23,10 +25,10 @@ def cycles_of(frames):
     return cycles[:-1]  # the last one is incomplete
 
 
-def some_cycles(outsider, count=300):
-    mark = outsider.mark()
-    hil.wait_for(lambda: len(outsider.since(mark, kind=hil.SYNC)) > count, 30, f"{count} cycles")
-    return cycles_of(outsider.since(mark))
+def some_cycles(bus, count=300):
+    mark = bus.mark()
+    hil.wait_for(lambda: len(bus.since(mark, kind=hil.SYNC)) > count, 30, f"{count} cycles")
+    return cycles_of(bus.since(mark))
 
 
 def timely(cycle):
@@ -35,9 +37,9 @@ def timely(cycle):
     return len(answers) == len(ENCODERS + DRIVES) and answers[-1] - cycle[0].time < PERIOD_S / 4
 
 
-def test_a_cycle_is_sync_then_answers_then_commands(host, outsider):
+def test_a_cycle_is_sync_then_answers_then_commands(run, bus):
     for _ in range(10):
-        cycles = [cycle for cycle in some_cycles(outsider) if timely(cycle)]
+        cycles = [cycle for cycle in some_cycles(bus) if timely(cycle)]
         if len(cycles) >= 50:
             break
     assert len(cycles) >= 50, f"{len(cycles)} of 300 cycles were answered in time"
@@ -47,8 +49,8 @@ def test_a_cycle_is_sync_then_answers_then_commands(host, outsider):
     assert sum(in_order) >= 0.9 * len(cycles)
 
 
-def test_every_node_answers_every_sync_once(host, outsider):
-    cycles = some_cycles(outsider)
+def test_every_node_answers_every_sync_once(run, bus):
+    cycles = some_cycles(bus)
     answers = Counter((f.kind, f.node) for cycle in cycles for f in cycle)
     for node in ENCODERS + DRIVES:
         assert answers[hil.TPDO1, node] == pytest.approx(len(cycles), abs=2)
@@ -56,8 +58,8 @@ def test_every_node_answers_every_sync_once(host, outsider):
         assert answers[hil.RPDO1, node] == pytest.approx(len(cycles), rel=0.05)
 
 
-def test_sync_keeps_its_period(host, outsider, tier):
-    syncs = [cycle[0].time for cycle in some_cycles(outsider, 500)]
+def test_sync_keeps_its_period(run, bus, tier):
+    syncs = [cycle[0].time for cycle in some_cycles(bus, 500)]
     periods = [b - a for a, b in zip(syncs, syncs[1:])]
     if tier != "pty":  # times on a pty are those of reading, so only their mean is checked
         assert median(periods) == pytest.approx(PERIOD_S, rel=0.05)
@@ -65,17 +67,17 @@ def test_sync_keeps_its_period(host, outsider, tier):
     assert 0.95 * PERIOD_S <= (syncs[-1] - syncs[0]) / len(periods) < 1.5 * PERIOD_S
 
 
-def test_host_sends_its_heartbeat(host, outsider):
-    outsider.wait_for(lambda f: f.kind == hil.HEARTBEAT and f.node == 127 and f.nmt_state == "operational", 5,
-                      "heartbeat of the host", outsider.mark())
+def test_host_sends_its_heartbeat(run, bus):
+    bus.wait_for(lambda f: f.kind == hil.HEARTBEAT and f.node == 127 and f.nmt_state == "operational", 5,
+                      "heartbeat of the host", bus.mark())
 
 
-def test_torque_is_against_the_hand(host, outsider):
+def test_torque_is_against_the_hand(run, bus):
     """A hand that accelerates to one side receives torque to the other side, because the body lags."""
     lag, least = 5, 20  # spacing of the positions in the second difference, cycles; threshold, counts
     against, along = Counter(), Counter()
     for _ in range(15):
-        cycles = some_cycles(outsider, 300)
+        cycles = some_cycles(bus, 300)
         for node, drive in zip(ENCODERS, DRIVES):
             positions = [next((f.position_counts for f in c if (f.kind, f.node) == (hil.TPDO1, node)), None)
                          for c in cycles]
@@ -93,15 +95,15 @@ def test_torque_is_against_the_hand(host, outsider):
     assert 3 * sum(along.values()) < sum(against.values()), f"along: {along}, against: {against}"
 
 
-def test_record_is_what_an_outsider_hears(start_host, outsider, tmp_path):
-    mark = outsider.mark()
-    host = start_host("--duration", "2")
-    assert host.popen.wait(30) == 0, host.error_text()
-    recorded = [(cob_id, data) for _, cob_id, data in hil.read_candump(host.record_path)]
+def test_record_is_what_an_outsider_hears(rig, bus):
+    mark = bus.mark()
+    run = rig.start_run("--duration", "2")
+    assert run.wait(30) == 0, run.error_text()
+    recorded = [(f.id, f.data) for f in hil.read_candump(run.record_path)]
     assert len(recorded) > 1000
 
     def heard():
-        frames = [(f.id, f.data) for f in outsider.since(mark)]
+        frames = [(f.id, f.data) for f in bus.since(mark)]
         return frames if len(frames) >= len(recorded) else None
 
     heard = hil.wait_for(heard, 5, "all frames of the record")
@@ -115,20 +117,20 @@ def test_record_is_what_an_outsider_hears(start_host, outsider, tmp_path):
         assert any(them[i:i + len(data)] == data for i in range(len(them) - len(data) + 1)), hex(cob_id)
 
 
-def test_record_is_candumps_log_frame_for_frame(start_host, rig, tier, tmp_path):
+def test_record_is_candumps_log_frame_for_frame(rig, tier, tmp_path):
     """Both receive equal frames in equal order from one kernel, including own frames."""
     if tier == "pty":
         pytest.skip("candump listens to SocketCAN only")
     if not shutil.which("candump"):
         pytest.skip("no candump: apt-get install can-utils")
-    interface = rig.address.rpartition(":")[2]
+    interface = rig.address().rpartition(":")[2]
     log = tmp_path / "candump.log"
     with open(log, "w") as out, subprocess.Popen(["candump", "-L", interface], stdout=out) as candump:
-        host = start_host("--duration", "2")
-        assert host.popen.wait(30) == 0, host.error_text()
+        run = rig.start_run("--duration", "2")
+        assert run.wait(30) == 0, run.error_text()
         candump.terminate()
-    recorded = [(cob_id, data) for _, cob_id, data in hil.read_candump(host.record_path)]
-    heard = [(cob_id, data) for _, cob_id, data in hil.read_candump(log)]
+    recorded = [(f.id, f.data) for f in hil.read_candump(run.record_path)]
+    heard = [(f.id, f.data) for f in hil.read_candump(log)]
     assert len(recorded) > 1000
     # Nodes send before the host listens and after it has ended.
     starts = [i for i in range(len(heard) - len(recorded) + 1) if heard[i:i + len(recorded)] == recorded]

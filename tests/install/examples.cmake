@@ -18,6 +18,9 @@ run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/peg_on_rig.py ${prefix}/bin/go
     ${prefix}/share/godobject/scenes/rigid.toml ${WORK}/rig/peg_on_rig)
 # The program finds its profiles and scenes beside itself.
 run(${prefix}/bin/godobject check ${prefix}/share/godobject/scenes/grasper.toml)
+# The Python modules, from the prefix alone.
+run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages ${Python3_EXECUTABLE}
+    ${SOURCE}/tests/install/hil_from_prefix.py ${prefix} ${SOURCE}/tests/hil/rig.toml)
 # pkg-config gives the same flags as the package.
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "")

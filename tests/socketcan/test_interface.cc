@@ -46,7 +46,8 @@ TEST_F(VirtualCanTest, AnInterfaceThatIsRenamedWhileOpenGoesOn) {
   ASSERT_TRUE(bus.open()) << bus.trouble();
   ASSERT_TRUE(other.open());
   set("down");
-  ASSERT_TRUE(becomes_true(bus, [&] { return bus.state() == BusState::down; }));
+  for (SocketCanBus* const each : {&bus, &other})
+    ASSERT_TRUE(becomes_true(*each, [&] { return each->state() == BusState::down; }));
   set("name vcanother");
   EXPECT_TRUE(mentions(bus.trouble(), "is called vcanother now")) << bus.trouble();
   ASSERT_EQ(std::system("ip link set vcanother up"), 0);

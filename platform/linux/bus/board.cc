@@ -133,15 +133,17 @@ std::string BoardBus::trouble() const {
            (board.malformed > 0 ? ", but other bytes: check that it is one, and its rate of "
                                 : ": check that it is one, and its rate of ") +
            std::to_string(address_.baud) + " baud; give another rate as PATH,BAUD";
+  std::string text;
+  const auto add = [&text](const std::string& trouble) { text += (text.empty() ? "" : "; ") + trouble; };
   if (nodes_.silent(MonotonicClock{}.now()))
-    return address_.path + ": the board sends nothing, or fewer than 500 frames a second: check its supply";
+    add("the board sends nothing, or fewer than 500 frames a second: check its supply");
   if ((nodes_.board().frame().status & board_status::overrun) != 0)
-    return address_.path + ": the board missed edges: its counts are wrong until it is referenced again";
+    add("the board missed edges: its counts are wrong until it is referenced again");
   if (counters.error_frames + counters.receive_overflow > 0)
-    return address_.path + ": " + std::to_string(counters.error_frames) + " frames were broken and " +
-           std::to_string(counters.receive_overflow) +
-           " lost: check the serial cable, its earth and its baud rate";
-  return "";
+    add(std::to_string(counters.error_frames) + " frames were broken and " +
+        std::to_string(counters.receive_overflow) +
+        " lost: check the serial cable, its earth and its baud rate");
+  return text.empty() ? "" : address_.path + ": " + text;
 }
 
 }  // namespace godobject

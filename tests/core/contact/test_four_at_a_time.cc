@@ -138,12 +138,7 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
     }
     const Pack d = random.uniform(-1e-3, 2e-3);
     const ContactPastOf<Pack> next =
-        carried_over<Pack>({.contact = initial,
-                            .v_W = start.v_W,
-                            .kept = law.kept,
-                            .given = law.given,
-                            .v_per_xi = law.v_per_xi},
-                           stage, h,
+        carried_over<Pack>({.contact = initial, .v_W = start.v_W, .sticking = sticking_of(law)}, stage, h,
                            {.at = start.at,
                             .c_W = four_vectors([&](std::size_t j) { return drawn.near[j].p_W; }),
                             .n_W = start.n_W,
@@ -158,18 +153,14 @@ TEST(FourAtATime, AreRecalledAndCarriedOverAsEachByItself) {
       expect_near(initial.F_n[j], one.F_n, 10);
       expect_near(initial.found[j], one.found, its.k * 1e-4);
       known += one.F_n >= 0;
-      const ContactPastOf<Real> end = carried_over<Real>({.contact = one,
-                                                          .v_W = drawn.v_W[j],
-                                                          .kept = its.kept,
-                                                          .given = its.given,
-                                                          .v_per_xi = its.v_per_xi},
-                                                         stage, h,
-                                                         {.at = drawn.at,
-                                                          .c_W = drawn.near[j].p_W,
-                                                          .n_W = drawn.near[j].n_W,
-                                                          .s_W = slips[j],
-                                                          .F_W = forces[j],
-                                                          .d = d[j]});
+      const ContactPastOf<Real> end =
+          carried_over<Real>({.contact = one, .v_W = drawn.v_W[j], .sticking = sticking_of(its)}, stage, h,
+                             {.at = drawn.at,
+                              .c_W = drawn.near[j].p_W,
+                              .n_W = drawn.near[j].n_W,
+                              .s_W = slips[j],
+                              .F_W = forces[j],
+                              .d = d[j]});
       const Real size = 10 + 10 * its.given;
       expect_near(lane(next.anchors.xi_a, j), end.anchors.xi_a, size);
       expect_near(lane(next.anchors.xi_b, j), end.anchors.xi_b, size);

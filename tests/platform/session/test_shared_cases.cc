@@ -1,5 +1,5 @@
 // The scenes of ../shared/cases have the right values, with both integrators. Each represents a kind of
-// fault. Cases of contact memory (turntable, spatula, creep-grip) belong to a future contact pipeline.
+// fault. Those in which a body sticks on another: test_sticking_cases.cc.
 #include "tests/platform/session/attacked.h"
 
 #include <cmath>

@@ -41,7 +41,7 @@ TEST(Islands, HoldWhatPairsJoin) {
       const std::size_t its_label = label[graph->order[island.first_body]];
       EXPECT_EQ(std::count(labels.begin(), labels.end(), its_label), 0);
       labels.push_back(its_label);
-      graph->each_body(island, [&](std::uint32_t i, const TouchingBody&) {
+      graph->each_body(island, [&](std::uint32_t i, const TouchingContacts&) {
         EXPECT_TRUE(touches[i]);
         EXPECT_EQ(label[i], its_label);
       });

@@ -1,0 +1,1 @@
+"""Python tools of godobject. `godobject.hil`: hardware-in-the-loop tests."""
