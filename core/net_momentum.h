@@ -61,6 +61,21 @@ struct WithoutCarrier {
   }
 };
 
+/// Flying group: the rows of a group of drifting nets.
+template <class Net, std::size_t N>
+struct Drifting {
+  const NetStage<Net, N>& w;
+  std::uint32_t group;
+
+  template <class F>
+  void each_body(F) const noexcept {}
+  template <class F>
+  void each_run(F f) const noexcept {
+    for (std::size_t k = 0; k < w.par->num_rows; ++k)
+      if (w.faces.drifts[k] && w.faces.group.of[k] == group) f(w.par->rows[k]);
+  }
+};
+
 /// Flying group: bodies joined by attachments, with all their carried nodes. of[i]: number of body i's group.
 template <class Net, std::size_t N>
 struct Attached {
@@ -121,6 +136,14 @@ Flight flight_of(const Params<S>& par, const FlyingGroup& flying, BodyOf body_of
   return all;
 }
 
+/// True if near contact k is with a face whose carrier is body i.
+template <class Net, std::size_t N>
+bool is_face_of(std::size_t i, std::size_t k, const NetStage<Net, N>& w) noexcept {
+  if constexpr (Net::max_faces > 0)
+    return w.near.list[k].b == NetContactTerm::on_net && w.faces.touching[k].carrier == i;
+  return false;
+}
+
 /// True if only its net and gravity act on the body: no device, joint, term or contact, and no contact of its
 /// nodes.
 template <Scene S>
@@ -143,7 +166,8 @@ bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size
   for (std::size_t k = 0; k < contacts.near.size; ++k)
     if (contacts.near.list[k].a == i || contacts.near.list[k].b == i) return false;
   for (std::size_t k = 0; k < contacts.net.near.size; ++k)
-    if (contacts.net.carrier[k] == i || contacts.net.near.list[k].b == i) return false;
+    if (contacts.net.carrier[k] == i || contacts.net.near.list[k].b == i || is_face_of(i, k, contacts.net))
+      return false;
   return true;
 }
 
@@ -179,6 +203,35 @@ void restore_angular_momentum(const Params<S>& par, const State<S>& x, const Fly
                [&](std::uint32_t n) noexcept { w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c); });
 }
 
+/// Applies the correction (48) to nets that touch each other. Their contacts lose more than springs do, and
+/// the rotation may raise the kinetic energy. Their deformation then slows down by the share that keeps it.
+template <Scene S, class FlyingGroup>
+void restore_angular_momentum_of_drifting(const Params<S>& par, const State<S>& x, const FlyingGroup& flying,
+                                          Scratch<S>& w) noexcept {
+  const auto no_body = [](std::size_t) noexcept -> RigidBodyState { return {}; };
+  const Flight before = flight_of(par, flying, no_body, x.net.nodes),
+               after = flight_of(par, flying, no_body, w.net.next);
+  const Vec3 lost = before.L_W - after.L_W, c = after.centre();
+  if (lost.norm() > max_given_back * before.size) return;
+  const Vec3 w_W = solve3<Real>(after.I_W, lost), rigid_W = solve3<Real>(after.I_W, after.L_W);
+  const Real given = w_W.dot(after.L_W + Real(0.5) * lost);  // J
+  Vec3 p_sum = Vec3::Zero();
+  each_node_of(flying, [&](std::uint32_t n) noexcept { p_sum += par.net.nodes[n].m * w.net.next[n].v_W; });
+  const Vec3 v_c = p_sum / after.m;
+  const auto deforming = [&](std::uint32_t n) noexcept -> Vec3 {
+    return w.net.next[n].v_W - v_c - rigid_W.cross(w.net.next[n].p_W - c);
+  };
+  Real in_deformation = 0;  // J
+  each_node_of(flying, [&](std::uint32_t n) noexcept {
+    in_deformation += Real(0.5) * par.net.nodes[n].m * deforming(n).squaredNorm();
+  });
+  if (std::abs(given) > max_given_back * in_deformation) return;
+  const Real left = given > 0 ? std::sqrt(1 - given / in_deformation) : 1;
+  each_node_of(flying, [&](std::uint32_t n) noexcept {
+    w.net.next[n].v_W += w_W.cross(w.net.next[n].p_W - c) - (1 - left) * deforming(n);
+  });
+}
+
 /// Applies the correction (48) to w.next.
 template <Scene S>
 void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
@@ -186,6 +239,10 @@ void conserve_angular_momentum(const Params<S>& par, const State<S>& x, Scratch<
   each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (of.flies) restore_angular_momentum(par, x, WithoutCarrier{nodes}, w);
   });
+  if constexpr (NetOf<S>::max_faces > 0)
+    for (std::uint32_t k = 0; net.faces.num_drifting > 0 && k < par.net.num_rows; ++k)
+      if (net.faces.drifts[k] && net.faces.group.of[k] == k)
+        restore_angular_momentum_of_drifting(par, x, Drifting{net, k}, w);
   if (net.attached().empty()) {
     each_carried(net, [&](const NetRun& run) noexcept {
       if (flies(par, w, run.body) && !joins_carriers(net, run))

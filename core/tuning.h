@@ -194,6 +194,20 @@ struct FrictionOnNets : FrictionAmongBodies {
   static constexpr Real friction_tolerance(int iteration) noexcept { return normal_tolerance(iteration); }
 };
 
+// Contacts between nets. tests/core/net/test_faces.cc.
+
+/// Contacts of a node with faces at a time, on each net in directions at least 60 degrees apart: between two
+/// layers, or in a fold. Further ones are reported as contacts without room.
+inline constexpr std::uint32_t max_faces_of_node = 8;
+/// Candidates among which the contacts of a node with a net are selected; further ones are reported likewise.
+inline constexpr std::size_t max_face_candidates = 64;
+/// Weight, outside a face, up to which a path crosses the face: paths between two faces cross at least one.
+inline constexpr Real face_rim = 0.02;
+/// Share of a node's radius: faces as deep up to this are nearest at the same point of an edge or corner.
+inline constexpr Real face_tie = 1e-9;
+/// Share of the thickness: a node that was deeper keeps its side of the surface, without a test of its path.
+inline constexpr Real kept_side_depth = 0.5;
+
 // Springs of nets. tests/core/net/test_stability.cc.
 
 /// Limit of a gain of spring energy, as a share of the energy that springs exchange in a stage (46). Pressed

@@ -108,6 +108,7 @@ GODOBJECT_FLATTEN void carry_over(const NearFour& near, const Pack& side, const 
   for (std::uint32_t left = stay; left != 0; left &= left - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(left));
     next.list[next.size++] = {.key = near.of[j]->key,
+                              .on = near.of[j]->on,
                               .e = past.e[j],
                               .pressed = past.pressed[j],
                               .F_n = past.F_n[j],

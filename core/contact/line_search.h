@@ -148,6 +148,13 @@ bool is_free_island(const Island& island, BodyContactScratch<Contacts, N>& w) no
   return is;
 }
 
+/// True if nets of the system may drift (core/net/drifting.h).
+template <class System, class Contacts>
+inline constexpr bool may_drift = false;
+template <class System, class Contacts>
+requires(System::is_coupled&& Contacts::has_net) inline constexpr bool may_drift<System, Contacts> =
+    Contacts::Net::max_faces > 0;
+
 /// Returns the velocity c = sum b / sum M of an island as a whole, with its momentum. Zero if it is not free.
 template <class System, class Contacts, std::size_t N>
 Column translation_of(const Island& island, const System& system,
@@ -163,19 +170,27 @@ Column translation_of(const Island& island, const System& system,
 }
 
 /// Scales V, relative to the translation c of the island, to the least E (29), so that free bodies keep their
-/// momentum. Returns the largest unbalanced force times h.
+/// momentum; drifting nets theirs. Returns the largest unbalanced force times h.
 template <class System, class Contacts, std::size_t N>
 Real scale_velocities(Real h, const Island& island, const System& system,
                       BodyContactScratch<Contacts, N>& w) noexcept {
   constexpr bool may_be_free = Contacts::between_bodies && !System::is_coupled;
   Column whole(Pack(0));
   if constexpr (may_be_free) whole = translation_of(island, system, w);
+  if constexpr (may_drift<System, Contacts>)
+    set_drifts(w.net, w.net.faces.group, [&](std::uint32_t n) noexcept { return system.b.nodes[n]; });
   const auto start = [&](auto u) noexcept {
     using Velocity = std::decay_t<decltype(w.x.V[u])>;
     if constexpr (may_be_free) {
       const SpatialVector V{.w = Column(Pack(0)), .v = whole};
       return LineStart<Velocity>{V, system.b[u] - V * w.stages[u].M};
     } else {
+      if constexpr (may_drift<System, Contacts> && std::is_same_v<Velocity, Column>) {
+        if (w.net.faces.num_drifting > 0) {
+          const Column& drift = w.net.faces.drift[u.n];
+          return LineStart<Velocity>{drift, system.b[u] - drift * w.net.m[u.n]};
+        }
+      }
       return LineStart<Velocity>{{}, system.b[u]};
     }
   };

@@ -12,6 +12,7 @@ namespace godobject {
 /// Memory of one contact. Spheres and surfaces of a scene are numbered.
 struct ContactMemory {
   std::uint64_t key = 0;
+  std::uint32_t on = 0;  // touched element, as in NearContact
   Real e = 0;            // rest penetration: the offset of the contact spring, m
   Real pressed = 0;      // compression of the spring at the end of the last stage, m
   Real F_n = 0;          // normal force in the last stage, N; 0: inactive

@@ -31,6 +31,15 @@ std::uint32_t end_of_node(std::uint32_t node, const BodyContactScratch<Contacts,
   return Link::on_world;
 }
 
+/// Returns the end that near contact k of nets touches: a body, the world, or the end of a face.
+template <class Contacts, std::size_t N>
+std::uint32_t touched_end(std::size_t k, const BodyContactScratch<Contacts, N>& w) noexcept {
+  if constexpr (Contacts::Net::max_faces > 0)
+    if (w.net.near.list[k].b == NetContactTerm::on_net)
+      return end_of_node(w.net.faces.touching[k].nodes[0], w);
+  return w.net.near.list[k].b;
+}
+
 /// Calls f(link) for all near contacts and attachments. End a of a link is never the world.
 template <class Contacts, std::size_t N, class F>
 void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
@@ -47,7 +56,7 @@ void each_link(const BodyContactScratch<Contacts, N>& w, F f) noexcept {
     };
     if (w.net.num_nodes == 0) return;
     for (std::uint32_t k = 0; k < w.net.near.size; ++k)
-      of_node(w.net.near.list[k].a, w.net.near.list[k].b, Link::Kind::of_node, k);
+      of_node(w.net.near.list[k].a, touched_end(k, w), Link::Kind::of_node, k);
     for (const NetContactTerm& one : w.net.attached()) of_node(one.node, one.body, Link::Kind::attachment, 0);
   }
 }
@@ -118,16 +127,25 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
   }
   if constexpr (Contacts::has_net) {
     if (link.kind != Link::Kind::of_node) return;
-    const auto are_alike = [&](const NearContact& a, const NearContact& b) noexcept {
-      return a.b == b.b && end_of_node(a.a, w) == end_of_node(b.a, w);
+    const auto number = [&](const NearContact& one) noexcept {
+      return static_cast<std::size_t>(&one - w.net.near.list.data());
     };
-    const Vec3 on_node = is_by_net(link, i, w) ? F_W : Vec3(-F_W);
+    const auto are_alike = [&](const NearContact& a, const NearContact& b) noexcept {
+      return a.b == b.b && touched_end(number(a), w) == touched_end(number(b), w) &&
+             end_of_node(a.a, w) == end_of_node(b.a, w);
+    };
+    const Vec3 on_node = touched_end(link.k, w) != i ? F_W : Vec3(-F_W);
     const NearContact& one = add_to_bearing(link.k, w.net.near, w.net.forces, are_alike,
                                             [&](const NearContact&) noexcept { return on_node; });
     if (one.b < N) w.wrenches[one.b].f -= on_node;
     // a missing force acts on a body at its centre of mass
     const std::uint32_t carrier = end_of_node(one.a, w);
     if (carrier < N) w.wrenches[carrier].tau -= w.net.r[one.a].vec().cross(on_node);
+    if constexpr (Contacts::Net::max_faces > 0) {
+      if (one.b != NetContactTerm::on_net) return;
+      const FaceTouch& on = w.net.faces.touching[number(one)];
+      if (on.carrier < N) w.wrenches[on.carrier].tau += at_face(on, w.net.r).vec().cross(on_node);
+    }
   }
 }
 

@@ -20,12 +20,34 @@ template <class Contacts, class Net>
 const ContactLaw& law_of(const typename Contacts::Params& contacts, const typename Net::Params& net,
                          const NearContact& near) noexcept {
   constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
+  if constexpr (Net::max_faces > 0) {
+    constexpr std::uint32_t first = first_face_number<Contacts>;
+    if (near.on >= first)
+      return contacts.law(net.nodes[near.a].material,
+                          net.nodes[net.faces.list[near.on - first].nodes[0]].material);
+  }
   const MaterialId other = near.on < max_surfaces ? contacts.surfaces[near.on].material
                                                   : contacts.spheres[near.on - max_surfaces].material;
   return contacts.law(net.nodes[near.a].material, other);
 }
 
-/// Calls f(pack, velocities of its nodes relative to the touched bodies) for all contacts of nets.
+/// Returns the velocity of a node from carrier-relative velocities.
+template <class V, class Stage>
+Column velocity_of_node(const V& of, std::uint32_t n, std::size_t carrier, const Stage& w) noexcept {
+  Column v = of[NetNodeNumber{n}];
+  if (carrier != world) v += shifted(of[static_cast<std::uint32_t>(carrier)], w.r[n]).v;
+  return v;
+}
+/// Returns the velocity of the point of a face from carrier-relative velocities.
+template <class V, class Stage>
+Column velocity_at_face(const V& of, const FaceTouch& on, const Stage& w) noexcept {
+  Column v(Pack(0));
+  for (std::size_t m = 0; m < 3; ++m)
+    v += velocity_of_node(of, on.nodes[m], on.carrier, w) * on.weights[static_cast<Eigen::Index>(m)];
+  return v;
+}
+
+/// Calls f(pack, velocities of its nodes relative to the touched bodies or faces) for all contacts of nets.
 template <class V, class Stage, class F>
 void each_net_pack(const V& of, Stage& w, F f) noexcept {
   for (std::size_t p = 0; p < w.num_packs; ++p) {
@@ -33,9 +55,14 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
     PackVelocity velocity{.v = Vector3<Pack>::Constant(Pack(0)), .number = p};
     for (std::size_t j = 0; j < 4 && 4 * p + j < w.near.size; ++j) {
       const NearContact& near = w.near.list[4 * p + j];
-      Column v = of[NetNodeNumber{near.a}];
-      const std::size_t carrier = w.carrier[4 * p + j];
-      if (carrier != world) v += shifted(of[static_cast<std::uint32_t>(carrier)], w.r[near.a]).v;
+      Column v = velocity_of_node(of, near.a, w.carrier[4 * p + j], w);
+      if constexpr (Stage::has_faces) {
+        if (near.b == NetContactTerm::on_net) {
+          v -= velocity_at_face(of, w.faces.touching[4 * p + j], w);
+          set_lane(velocity.v, j, v.vec());
+          continue;
+        }
+      }
       if (near.b != NetContactTerm::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
       set_lane(velocity.v, j, v.vec());
     }
@@ -43,15 +70,28 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
   }
 }
 
-/// Returns the places of four nodes at p_W, and of the bodies that they touch, at the predicted end of the
-/// stage. Nodes have no attitude: their anchors (51) turn with the bodies.
+/// Returns the places of the nodes of pack p at p_W, and of the bodies or faces that they touch, at the
+/// predicted end of the stage. Nodes have no attitude: their anchors (51) turn with the touched body or face.
+/// face: the face in whose axes the anchors are.
 template <class Contacts, std::size_t N>
-ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, const Vector3<Pack>& p_W,
-                                      const ContactFinder<Contacts, N>& bodies) noexcept {
+ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, [[maybe_unused]] std::size_t p,
+                                      const Vector3<Pack>& p_W, [[maybe_unused]] FacePlace FaceTouch::*face,
+                                      const BodyContactScratch<Contacts, N>& w) noexcept {
   const TreePlace at_origin{};
+  constexpr bool has_faces = Contacts::Net::max_faces > 0;
+  [[maybe_unused]] std::conditional_t<has_faces, std::array<TreePlace, 4>, None> of_faces;
+  if constexpr (has_faces)
+    for (std::size_t j = 0; j < near.size; ++j)
+      if (near.of[j]->b == NetContactTerm::on_net) {
+        const FacePlace& at = w.net.faces.touching[4 * p + j].*face;
+        of_faces[j].p_W = at.p_W;
+        of_faces[j].R_WB = at.R_W;
+      }
   const auto at = [&](std::size_t j) -> const TreePlace& {
     const std::uint32_t b = near.of[j]->b;
-    return b == NetContactTerm::on_world ? at_origin : bodies.at[b];
+    if constexpr (has_faces)
+      if (b == NetContactTerm::on_net) return of_faces[std::min<std::size_t>(j, near.size - 1)];
+    return b == NetContactTerm::on_world ? at_origin : w.finder.at[b];
   };
   const Matrix3<Pack> R = gathered(lanes_of_four, [&](std::size_t j) -> const Mat3& { return at(j).R_WB; });
   return {.R_a = R, .R_b = R, .p_a = p_W, .p_b = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& {
@@ -86,6 +126,22 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     for (std::uint32_t j = 0; j < 4; ++j) {
       const NearContact& one = *near.of[j];
       const bool on_world = one.b == NetContactTerm::on_world;
+      if constexpr (Contacts::Net::max_faces > 0) {
+        if (one.b == NetContactTerm::on_net) {
+          const std::size_t i = 4 * p + std::min(j, near.size - 1);
+          const FaceTouch& on = of.faces.touching[i];
+          r[j].setZero();
+          v_W[j] = (of.v[one.a] - at_face(on, of.v)).vec();
+          if (j >= near.size) continue;
+          laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one),
+                                        std::min(net.par.nodes[one.a].m, mass_at_face(on, of)), h,
+                                        w.stage.relaxation_time, false);
+          of.carrier[i] = net.par.nodes[one.a].body;
+          if (on.carrier != world && on.carrier != of.carrier[i])
+            find_pair(static_cast<std::uint32_t>(of.carrier[i]), static_cast<std::uint32_t>(on.carrier), of);
+          continue;
+        }
+      }
       const Vec3 p_W = lane(nodes_W, j);
       r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(p_W - w.finder.at[one.b].p_W);
       v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
@@ -97,7 +153,7 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }
-    const ContactPlacesOf<Pack> places = places_of_nodes(near, nodes_W, w.finder);
+    const ContactPlacesOf<Pack> places = places_of_nodes(near, p, nodes_W, &FaceTouch::at_memory_face, w);
     ContactStartOf<Pack> start{
         .at = places,
         .n_W = near.all(&NearContact::n_W),
@@ -138,7 +194,7 @@ template <class Twists, class Net, std::size_t N>
 void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept {
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const NearContact& near = w.near.list[i];
-    if (near.b == NetContactTerm::on_world) continue;
+    if (near.b == NetContactTerm::on_world || near.b == NetContactTerm::on_net) continue;
     ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
     const Vec3 v = -shifted(V_p[near.b], Column(lane(c.r, j))).v.vec();
@@ -153,12 +209,27 @@ void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept
 template <class Net, std::size_t N>
 void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   w.num_contacts = w.num_attachments;
+  if constexpr (Net::max_faces > 0) w.faces.num_terms = 0;
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
     const Real a = h * c.eta_t[j], b = h * (c.active[j] * c.eta_n[j] - c.eta_t[j]);
     if (!(a > 0) && !(c.active[j] > 0)) continue;
     const Vec3 n = lane(c.n, j);
+    const Column J(
+        Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a - lane(c.u, j) * (h * c.f_slip[j])));
+    if constexpr (Net::max_faces > 0) {
+      if (w.near.list[i].b == NetContactTerm::on_net) {
+        w.faces.terms[w.faces.num_terms++] = {.node = w.near.list[i].a,
+                                              .carrier = w.carrier[i],
+                                              .on = w.faces.touching[i],
+                                              .n = Column(n),
+                                              .a = a,
+                                              .b = b,
+                                              .J = J};
+        continue;
+      }
+    }
     w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
                                     .body = w.near.list[i].b,
                                     .carrier = w.carrier[i],
@@ -166,9 +237,9 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
                                     .r = Column(lane(c.r, j)),
                                     .a = a,
                                     .b = b,
-                                    .J = Column(Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a -
-                                                     lane(c.u, j) * (h * c.f_slip[j])))};
+                                    .J = J};
   }
+  if constexpr (Net::max_faces > 0) group_by_terms(w);
 }
 
 /// Loads b of bodies, including their carried nodes, and of nodes.
@@ -184,6 +255,13 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
     if (contact.body != NetContactTerm::on_world)
       b.bodies[contact.body] =
           b.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = contact.J}, contact.r);
+  }
+  if constexpr (Contacts::Net::max_faces > 0) {
+    for (std::size_t c = 0; c < net.faces.num_terms; ++c) {
+      const NetFaceTerm& term = net.faces.terms[c];
+      b.nodes[term.node] += term.J;
+      subtract_at_face(term.on, term.J, b.nodes);
+    }
   }
   each_carried(net, [&](const NetRun& run) noexcept {
     SpatialVector sum = SpatialVector::zero();
@@ -220,6 +298,35 @@ void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
       // effective mass for the velocity of the carrier's point relative to the body's
       const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = A};
       w.system.add_to_factor(pair.entry, shifted(coupling(at_end, net.r[contact.node]), contact.r));
+    }
+  }
+  if constexpr (Contacts::Net::max_faces > 0) load_carriers_at_faces(w, on_point);
+}
+
+/// Adds the contacts with faces to E of (44): those of the carriers of the node and of the face.
+template <class Contacts, std::size_t N, class OnPoint>
+void load_carriers_at_faces(BodyContactScratch<Contacts, N>& w, OnPoint on_point) noexcept {
+  const auto& net = w.net;
+  for (std::size_t c = 0; c < net.faces.num_terms; ++c) {
+    const NetFaceTerm& term = net.faces.terms[c];
+    const Block A = Block::identity() * term.a + outer(term.n * term.b, term.n);
+    const std::size_t carrier = term.carrier, other = term.on.carrier;
+    const Column r = net.r[term.node], r_face = at_face(term.on, net.r);
+    if (carrier == other) {
+      if (carrier == world) continue;
+      // the carrier moves both, except where it turns
+      const SymmetricSpatialMatrix turning = on_point(A, r - r_face);
+      w.system.add(static_cast<std::uint32_t>(carrier),
+                   {.ww = turning.ww, .wv = Block::zero(), .vv = Block::zero()});
+      continue;
+    }
+    if (carrier != world) w.system.add(static_cast<std::uint32_t>(carrier), on_point(A, r));
+    if (other != world) w.system.add(static_cast<std::uint32_t>(other), on_point(A, r_face));
+    for (std::size_t k = 0; k < net.num_pairs; ++k) {
+      const NetPair& pair = net.pairs[k];
+      if (pair.carrier != carrier || pair.touched != other || pair.entry == no_slot) continue;
+      const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = A};
+      w.system.add_to_factor(pair.entry, shifted(coupling(at_end, r), r_face));
     }
   }
 }
@@ -276,10 +383,9 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
     if (bears) ++report.num_contacts;
     // forces that pull, within the tolerance of the iterations, are attributed to a joint of the body
     bool counts = bears;
-    if constexpr (Contacts::jointed)
-      counts = bears || near.b == NetContactTerm::on_world || !w.graph.joints.joined[near.b];
+    if constexpr (Contacts::jointed) counts = bears || !(near.b < N) || !w.graph.joints.joined[near.b];
     else counts = true;
-    if (counts && near.b != NetContactTerm::on_world) {
+    if (counts && near.b < N) {
       Wrench& on_body = w.wrenches[near.b];
       on_body.f -= F;
       on_body.tau -= lane(pack.r, j).cross(F);
@@ -288,8 +394,8 @@ void end_net(Real h, BodyContactScratch<Contacts, N>& w) noexcept {
   for (std::size_t p = 0; p < net.num_packs; ++p) {
     const NearFour near(&net.near.list[4 * p], net.near.size - 4 * p);
     const Vector3<Pack> p_W = positions_of_nodes<typename Contacts::Net>(*net.par, near);
-    carry_over(near, near.live(), places_of_nodes(near, p_W, w.finder), p_W, w.stage, h, net.initial[p],
-               net.packs[p], next);
+    carry_over(near, near.live(), places_of_nodes(near, p, p_W, &FaceTouch::at_face, w), p_W, w.stage, h,
+               net.initial[p], net.packs[p], next);
     add_bearing(near, near.live(), net.packs[p], net.forces);
   }
   each_carried(net, [&](const NetRun& run) noexcept {

@@ -15,6 +15,7 @@
 //   (45)  V+ = s V + (c, 0)  with  V+^T r = 0,  r of bodies = 0
 #pragma once
 
+#include "core/net/drifting.h"
 #include "core/net/incomplete_factor.h"
 #include "core/system/conjugate_gradients.h"
 
@@ -122,6 +123,7 @@ struct CoupledSystem {
         AV.bodies[contact.body] =
             AV.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = J}, contact.r);
     }
+    if constexpr (Stage::has_faces) add_faces_product(net, v, AV.nodes);
     // impulses on nodes also act on their carriers, except those of anchors
     each_carried(net, [&](const NetRun& run) noexcept {
       SpatialVector sum = SpatialVector::zero();
@@ -141,6 +143,20 @@ void solve(const CoupledSystem<OfBodies, Stage>& system, typename CoupledSystem<
            typename CoupledSystem<OfBodies, Stage>::Vector& z) noexcept {
   solve(system.bodies, r.bodies, z.bodies);
   solve_nodes(system.net, r.nodes, z.nodes);
+}
+
+/// Corrects V by (45) in the translation of drifting nets: c of each is theirs as a whole. The part of r that
+/// moves them as a whole becomes zero. Leaves the drift of A V, their c_1.
+template <class OfBodies, class Stage, class Vectors>
+void keep_drifts(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noexcept {
+  auto& net = system.net;
+  set_drifts(net, net.faces.active_group, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
+  each_drifting(net, net.faces.active_group, [&](std::uint32_t n, std::uint32_t) noexcept {
+    x.V.nodes[n] += net.faces.drift[n];
+    x.r.nodes[n] -= net.faces.drift[n] * net.m[n];
+  });
+  set_drifts(net, net.faces.active_group,
+             [&](std::uint32_t n) noexcept { return system.b.nodes[n] - x.r.nodes[n]; });
 }
 
 /// Corrects V, A V = b - r, by (45). The r of nodes remains that of the iteration; see compute_residual().
@@ -163,6 +179,12 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   system.bodies.each([&](std::uint32_t u) noexcept { along_c_1.add(x.p[u], c_1[u]); });
   // correction of nets in free flight
   auto& net = system.net;
+  if constexpr (Stage::has_faces) {
+    keep_drifts(system, x);
+    each_drifting(net, net.faces.active_group, [&](std::uint32_t n, std::uint32_t) noexcept {
+      along_c_1.add(b.nodes[n] - x.r.nodes[n], net.faces.drift[n]);
+    });
+  }
   each_floating(net, [&](const NodeRow& nodes, RowStage& of) noexcept {
     if (!of.flies) return;
     const auto A_V = [&](std::uint32_t n) noexcept { return b.nodes[n] - x.r.nodes[n]; };
@@ -186,6 +208,9 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
     x.V[u] = x.V[u] + delta[u] - c_1[u] * s_1;
     x.r[u] = SpatialVector::zero();
   });
+  if constexpr (Stage::has_faces)
+    each_drifting(net, net.faces.active_group,
+                  [&](std::uint32_t n, std::uint32_t) noexcept { x.V.nodes[n] -= net.faces.drift[n] * s_1; });
   each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     if (!of.flies) return;
     const SpatialVector c = of.delta - of.c_1 * s_1;

@@ -2,13 +2,14 @@
 // without shapes.
 //
 // Bound: for each four nodes, a query of each surface of the world. Also a query of each surface or sphere of
-// a body whose box contains one of them. Nodes do not touch each other, bodies of their carrier's tree, or
-// bodies that they are attached to. Fast nodes, and nodes deep in an obstacle of the world, are swept like
-// spheres of bodies (core/contact/find/sweep.h).
+// a body whose box contains one of them. Nodes do not touch bodies of their carrier's tree, or bodies that
+// they are attached to. Nets that touch each other: find_faces.h. Fast nodes, and nodes deep in an obstacle
+// of the world, are swept like spheres of bodies (core/contact/find/sweep.h).
 #pragma once
 
 #include "core/contact/find/find.h"
 #include "core/net/attachment.h"
+#include "core/net/face_contacts.h"
 
 namespace godobject {
 
@@ -47,7 +48,9 @@ class NetFinder {
       if (!owned.has_surfaces())
         for (std::uint32_t s = owned.first_sphere; s < owned.end_sphere; ++s) find_on_sphere(i, s, num_packs);
     }
+    if constexpr (Net::max_faces > 0) FaceFinder<Contacts, N, Net>(net_, bodies_, w_).find();
     w_.near.put_in_order();
+    if constexpr (Net::max_faces > 0) set_touched_points<Contacts>(w_);
   }
 
  private:

@@ -17,14 +17,14 @@ namespace godobject {
 /// Springs of each node that has(spring, node) accepts for one of its two nodes.
 template <class Par>
 struct SpringsOfNodes;
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-struct SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> {
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+struct SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments, max_faces>> {
   // springs of node n: list[first[n]] to list[first[n + 1] - 1]
   std::array<std::uint32_t, max_nodes + 1> first{};
   std::array<std::uint32_t, 2 * max_springs> list{};
 
   template <class Has>
-  SpringsOfNodes(const NetParams<max_nodes, max_springs, max_attachments>& par, Has has) noexcept {
+  SpringsOfNodes(const NetParams<max_nodes, max_springs, max_attachments, max_faces>& par, Has has) noexcept {
     const auto each = [&](auto f) {
       for (std::uint32_t s = 0; s < par.num_springs; ++s)
         for (const std::uint32_t n : {par.springs[s].i, par.springs[s].j})
@@ -44,10 +44,10 @@ inline std::uint32_t other_end(const NetSpring& spring, std::uint32_t n) noexcep
 }
 
 /// Assigns nodes to groups. Springs must join existing nodes.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
 class NodeGrouping {
  public:
-  using Par = NetParams<max_nodes, max_springs, max_attachments>;
+  using Par = NetParams<max_nodes, max_springs, max_attachments, max_faces>;
   explicit NodeGrouping(Par& par) noexcept
       : par_(par), springs_(par, [](const NetSpring&, std::uint32_t) { return true; }) {}
 
@@ -138,9 +138,9 @@ class NodeGrouping {
 };
 
 /// Assigns the springs to slots of each group: those to nodes of later groups.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void assign_slots(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
-  const SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments>> own(
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+void assign_slots(NetParams<max_nodes, max_springs, max_attachments, max_faces>& par) noexcept {
+  const SpringsOfNodes<NetParams<max_nodes, max_springs, max_attachments, max_faces>> own(
       par, [&](const NetSpring& spring, std::uint32_t n) {
         return par.places[n].group < par.places[other_end(spring, n)].group;
       });
@@ -165,8 +165,8 @@ void assign_slots(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
 
 /// True if every node is in one group of its carrier, and every spring in one slot of the group of its
 /// earlier node.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-bool are_valid_groups(const NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+bool are_valid_groups(const NetParams<max_nodes, max_springs, max_attachments, max_faces>& par) noexcept {
   const NetSpring& none = par.springs[par.no_spring];
   if (par.num_groups > par.num_nodes || none.k != 0 || none.g != 0) return false;
   std::size_t num_placed = 0, num_held = 0;

@@ -9,6 +9,7 @@
 // groups of NetParams, whose four nodes are processed at once.
 #pragma once
 
+#include "core/net/face_terms.h"
 #include "core/net/settling.h"
 
 namespace godobject {
@@ -48,6 +49,14 @@ SymmetricPack in_lanes(const std::array<SymmetricBlock, max_nodes>& A, const Nod
   return in_lanes(A[n[0]], A[n[1]], A[n[2]], A[n[3]]);
 }
 
+/// Adds the effective masses of all contacts at their nodes.
+template <class Net, std::size_t N>
+void add_masses_of_contacts(NetStage<Net, N>& w) noexcept {
+  for (std::size_t c = 0; c < w.num_contacts; ++c)
+    w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
+  add_faces_to_nodes(w);
+}
+
 /// Factors the nodes with their springs, anchors and contacts.
 template <class Net, std::size_t N>
 void factor_nodes(NetStage<Net, N>& w) noexcept {
@@ -56,8 +65,7 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
     D[n] = SymmetricBlock::multiple(w.m[n] + w.kappa[n] + w.settling[n]);
     w.of_contacts[n] = SymmetricBlock::zero();
   }
-  for (std::size_t c = 0; c < w.num_contacts; ++c)
-    w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
+  add_masses_of_contacts(w);
   for (std::size_t g = 0; g < w.par->num_groups; ++g) {
     const NodeGroup& group = w.par->groups[g];
     SymmetricPack D_i = in_lanes(D, group);
@@ -76,24 +84,27 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
 /// Updates D^-1 of the groups with contacts.
 template <class Net, std::size_t N>
 void renew_inverses(NetStage<Net, N>& w) noexcept {
-  for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    const std::uint32_t g = w.par->places[w.contacts[c].node].group;
+  const auto renew = [&](std::uint32_t n) noexcept {
+    const std::uint32_t g = w.par->places[n].group;
     const NodeGroup& group = w.par->groups[g];
     w.D_inverse[g] = inverse(in_lanes(w.D, group) + in_lanes(w.of_contacts, group));
-  }
+  };
+  for (std::size_t c = 0; c < w.num_contacts; ++c) renew(w.contacts[c].node);
+  each_node_at_faces(w, renew);
 }
 /// Removes the contacts of nodes from their D; below, adds them. Their effect on other D remains as factored.
 /// The preconditioner stays valid, because D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
 void remove_contacts_from_factor(NetStage<Net, N>& w) noexcept {
-  for (std::size_t c = 0; c < w.num_contacts; ++c) w.of_contacts[w.contacts[c].node] = SymmetricBlock::zero();
+  const auto remove = [&](std::uint32_t n) noexcept { w.of_contacts[n] = SymmetricBlock::zero(); };
+  for (std::size_t c = 0; c < w.num_contacts; ++c) remove(w.contacts[c].node);
+  each_node_at_faces(w, remove);
   renew_inverses(w);
 }
 /// Adds the contacts of nodes to D, after the previous ones were removed. A node may have several.
 template <class Net, std::size_t N>
 void add_contacts_to_factor(NetStage<Net, N>& w) noexcept {
-  for (std::size_t c = 0; c < w.num_contacts; ++c)
-    w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
+  add_masses_of_contacts(w);
   renew_inverses(w);
 }
 

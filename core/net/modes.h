@@ -28,8 +28,19 @@ Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real 
   for (std::size_t j = 0; j < 4 && 4 * pack + j < w.near.size; ++j) {
     const std::uint32_t n = w.near.list[4 * pack + j].a;
     const Column along(lane(d, j));
-    const Real m = dot(along, w.D[n] * along), held = dot(along, w.of_contacts[n] * along) - own[j];
-    if (m > 0) give.set(j, h / (m + std::max(held, Real(0))));  // otherwise the direction is undefined
+    const auto of_node = [&](std::uint32_t i, Real share) noexcept -> Real {
+      const Real m = dot(along, w.D[i] * along), held = dot(along, w.of_contacts[i] * along) - share * own[j];
+      return m > 0 ? share * h / (m + std::max(held, Real(0))) : 0;  // otherwise the direction is undefined
+    };
+    give.set(j, of_node(n, 1));
+    if constexpr (NetStage<Net, N>::has_faces) {
+      if (w.near.list[4 * pack + j].b != NetContactTerm::on_net) continue;
+      const FaceTouch& on = w.faces.touching[4 * pack + j];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Real weight = on.weights[static_cast<Eigen::Index>(i)];
+        give.set(j, give[j] + of_node(on.nodes[i], weight * weight));
+      }
+    }
   }
   return give;
 }
@@ -49,7 +60,13 @@ Vector3<Pack> start_less_predicted(std::size_t pack, const NetStage<Net, N>& w) 
   Vector3<Pack> change = Vector3<Pack>::Constant(Pack(0));
   for (std::size_t j = 0; j < 4 && 4 * pack + j < w.near.size; ++j) {
     const std::uint32_t n = w.near.list[4 * pack + j].a;
-    set_lane(change, j, (w.v_free[n] - w.by_gravity - w.v[n]).vec());
+    Column of_node = w.v_free[n] - w.by_gravity - w.v[n];
+    if constexpr (NetStage<Net, N>::has_faces)
+      if (w.near.list[4 * pack + j].b == NetContactTerm::on_net) {
+        const FaceTouch& on = w.faces.touching[4 * pack + j];
+        of_node -= at_face(on, w.v_free) - w.by_gravity - at_face(on, w.v);
+      }
+    set_lane(change, j, of_node.vec());
   }
   return change;
 }

@@ -57,6 +57,31 @@ struct NetAttachments<0> {
   static constexpr const NetAttachment* end() noexcept { return nullptr; }
 };
 
+/// Triangle of a net's surface, which nodes of other nets touch. Its nodes have one carrier and one row.
+struct NetFace {
+  std::array<std::uint32_t, 3> nodes{};
+  bool touches_own = false;  // true if nodes of its own net touch it, too
+};
+/// Faces [first, end) of a row of nodes. In this order, halves of a range are apart in space (faces.h).
+struct NetPatch {
+  std::uint32_t first_node = 0, end_node = 0, first = 0, end = 0;
+  bool touches_own = false;
+
+  bool holds(std::uint32_t n) const noexcept { return first_node <= n && n < end_node; }
+};
+template <std::size_t max>
+struct NetFaces {
+  std::array<NetFace, max> list;
+  std::size_t size = 0;
+  std::array<NetPatch, max> patches;
+  std::size_t num_patches = 0;
+};
+/// Empty storage of nets that do not touch each other.
+template <>
+struct NetFaces<0> {
+  static constexpr std::size_t size = 0;
+};
+
 /// Up to four nodes of one carrier that no spring joins, processed at once, one per lane. Unused lanes repeat
 /// the first node.
 struct NodeGroup {
@@ -86,7 +111,8 @@ struct NodeRow {
 
 /// Parameters, constant during a run. Springs are sorted by i, then j; attachments by their nodes.
 /// put_in_order() of setup.h assigns nodes to groups.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0>
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments = 0,
+          std::size_t max_faces = 0>
 struct NetParams {
   static constexpr std::uint32_t no_spring = max_springs;
   std::array<NetNode, max_nodes> nodes;
@@ -94,6 +120,7 @@ struct NetParams {
   std::array<NetSpring, max_springs + 1> springs;  // the springs and no_spring, which has no stiffness
   std::size_t num_springs = 0;
   [[no_unique_address]] NetAttachments<max_attachments> attachments;
+  [[no_unique_address]] NetFaces<max_faces> faces;
   // in an elimination order: each node after those that springs join to it from below
   std::array<NodeGroup, max_nodes> groups;
   std::size_t num_groups = 0;
@@ -132,12 +159,13 @@ struct NetReport {
 };
 
 /// Net part of a scene: all of its nets. Capacities: nodes, springs, contacts of nodes at a time,
-/// attachments.
-template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_, std::size_t attachments_ = 0>
+/// attachments, faces that nodes of nets touch.
+template <std::size_t nodes_, std::size_t springs_, std::size_t contacts_, std::size_t attachments_ = 0,
+          std::size_t faces_ = 0>
 struct MassSpringNet {
   static constexpr std::size_t max_nodes = nodes_, max_springs = springs_, max_contacts = contacts_,
-                               max_attachments = attachments_;
-  using Params = NetParams<nodes_, springs_, attachments_>;
+                               max_attachments = attachments_, max_faces = faces_;
+  using Params = NetParams<nodes_, springs_, attachments_, faces_>;
   using Output = NetReport;
 };
 

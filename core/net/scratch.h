@@ -1,6 +1,8 @@
 // Working storage of nets in a step, undefined between steps.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <span>
 #include <type_traits>
 
@@ -24,12 +26,99 @@ struct NetRun {
 /// Contact or attachment of a node in the system: effective mass a 1 + b n n^T for the velocity of the node
 /// relative to the body. Acts at r from the body's centre of mass.
 struct NetContactTerm {
-  static constexpr std::uint32_t on_world = ~std::uint32_t(0);
+  static constexpr std::uint32_t on_world = ~std::uint32_t(0), on_net = on_world - 1;
   std::uint32_t node = 0, body = on_world;
   std::size_t carrier = world;  // carrier of the node
   Column n, r;
   Real a = 0, b = 0;
   Column J;  // impulse on the node at zero velocity relative to the body
+};
+
+/// Place of a face, as that of a body: its centre, and its axes as columns.
+struct FacePlace {
+  Vec3 p_W = Vec3::Zero();
+  Mat3 R_W = Mat3::Identity();
+};
+
+/// Point of a face that a node touches.
+struct FaceTouch {
+  std::uint32_t face = 0;
+  std::array<std::uint32_t, 3> nodes{};
+  Vec3 weights = Vec3::Zero();
+  std::size_t carrier = world;  // of the face's nodes
+  // places at the predicted nodes: of the face, and of that in whose axes the memory has its anchor (51)
+  FacePlace at_face, at_memory_face;
+};
+
+/// Contact of a node with a face in the system (59): effective mass a 1 + b n n^T.
+struct NetFaceTerm {
+  std::uint32_t node = 0;
+  std::size_t carrier = world;  // of the node
+  FaceTouch on;
+  Column n;
+  Real a = 0, b = 0;
+  Column J;  // impulse on the node at zero relative velocity
+};
+
+/// Box of a range of faces, or of a node, over their way in a stage.
+struct FaceBox {
+  Column low = Column(Pack(std::numeric_limits<Real>::infinity()));
+  Column high = Column(Pack(-std::numeric_limits<Real>::infinity()));
+
+  void cover(const Column& p, Real around) noexcept {
+    low.p = min(low.p, p.p - Pack(around));
+    high.p = max(high.p, p.p + Pack(around));
+  }
+  void cover(const FaceBox& of) noexcept {
+    low.p = min(low.p, of.low.p);
+    high.p = max(high.p, of.high.p);
+  }
+  bool meets(const FaceBox& of) const noexcept { return !any(of.high.p < low.p) && !any(high.p < of.low.p); }
+};
+
+/// Box of a patch, and whether the boxes of its ranges have been computed.
+struct PatchBox {
+  FaceBox all;
+  bool has_tree = false;
+};
+
+/// Numbers of the groups of rows: that of one of their rows.
+template <std::size_t max>
+struct RowGroups {
+  std::array<std::uint32_t, max> of;
+
+  void separate(std::size_t num_rows) noexcept {
+    for (std::size_t k = 0; k < num_rows; ++k) of[k] = static_cast<std::uint32_t>(k);
+  }
+  void join(std::size_t a, std::size_t b, std::size_t num_rows) noexcept {
+    if (of[a] == of[b]) return;
+    const std::uint32_t from = of[a], to = of[b];
+    std::replace(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(num_rows), from, to);
+  }
+};
+
+/// Contacts between nets in a stage. Without faces: empty.
+template <class Net, bool has_faces = (Net::max_faces > 0)>
+struct FaceStage {
+  // boxes of ranges of faces, by the middle of each range; nodes: largest depth in memory, m
+  std::array<FaceBox, Net::max_faces> boxes;
+  std::array<PatchBox, Net::max_nodes / 2 + 1> patch_boxes;
+  std::array<Real, Net::max_nodes> depth;
+  std::array<FaceTouch, Net::max_contacts> touching;  // by near contact
+  std::array<NetFaceTerm, Net::max_contacts> terms;
+  std::size_t num_terms = 0;
+  // rows that touch each other or themselves and nothing else; group: by near contacts in the step so far
+  RowGroups<Net::max_nodes / 2 + 1> group, active_group;
+  std::array<bool, Net::max_nodes / 2 + 1> drifts, touches, is_held;  // touches, is_held: in the step so far
+  bool has_touched = false;                        // a contact with a face in the step so far
+  std::size_t num_drifting = 0;                    // rows
+  std::array<Real, Net::max_nodes / 2 + 1> mass;   // by group, kg
+  std::array<Column, Net::max_nodes / 2 + 1> sum;  // by group
+  std::array<Column, Net::max_nodes> drift;  // by node: velocity of its group as a whole; otherwise zero
+};
+template <class Net>
+struct FaceStage<Net, false> {
+  static constexpr std::size_t num_terms = 0;
 };
 
 /// Pair of a carrier and a body that its nodes touch.
@@ -68,6 +157,7 @@ struct RowStage {
 template <class Net, std::size_t N>
 struct NetStage {
   static constexpr std::size_t max_nodes = Net::max_nodes, max_packs = (Net::max_contacts + 3) / 4;
+  static constexpr bool has_faces = Net::max_faces > 0;
   static constexpr std::size_t max_runs = N + 1, max_pairs = net_pairs_per_body * N;
 
   std::array<NetRun, max_runs> runs;
@@ -108,6 +198,7 @@ struct NetStage {
   [[no_unique_address]] NumAttachments num_attachments{};
   std::array<NetPair, max_pairs> pairs;
   std::size_t num_pairs = 0;
+  [[no_unique_address]] FaceStage<Net> faces;
   StageMemories<Net::max_contacts, 3> memories;
   ContactForces<Net::max_contacts> forces;  // contact forces of the stage
 

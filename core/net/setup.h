@@ -4,14 +4,15 @@
 #include <algorithm>
 
 #include "core/math/so3.h"
+#include "core/net/faces.h"
 #include "core/net/groups.h"
 
 namespace godobject {
 
-/// Orders springs by i < j, then j; attachments by nodes; and nodes in groups. Entries beyond the capacity,
-/// or that are no springs, stay in place for is_valid_net() to reject.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+/// Orders springs by i < j, then j; attachments by nodes; nodes in groups; and faces in patches. Entries
+/// beyond the capacity, or that are no springs, stay in place for is_valid_net() to reject.
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+void put_in_order(NetParams<max_nodes, max_springs, max_attachments, max_faces>& par) noexcept {
   if (par.num_nodes > max_nodes || par.num_springs > max_springs) return;
   bool are_springs = true;
   for (std::size_t s = 0; s < par.num_springs; ++s) {
@@ -31,12 +32,13 @@ void put_in_order(NetParams<max_nodes, max_springs, max_attachments>& par) noexc
   NodeGrouping(par).put_in_groups();
   assign_slots(par);
   find_rows(par);
+  put_faces_in_order(par);
 }
 
 /// Finds the rows: sets of nodes that no spring joins to other nodes. A row floats in a stage if its anchors
 /// have no stiffness.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void find_rows(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept {
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+void find_rows(NetParams<max_nodes, max_springs, max_attachments, max_faces>& par) noexcept {
   par.num_rows = 0;
   std::size_t s = 0;
   for (std::uint32_t first = 0, end = 1; first < par.num_nodes; first = end++) {
@@ -48,8 +50,8 @@ void find_rows(NetParams<max_nodes, max_springs, max_attachments>& par) noexcept
 
 /// True if the nodes of one carrier are consecutive, springs and nodes are in order, and numbers are positive
 /// as required. Bodies are below num_bodies.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments, max_faces>& par,
                   std::size_t num_bodies) noexcept {
   const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };
   if (par.num_nodes > max_nodes || par.num_springs > max_springs || par.max_iterations < 1) return false;
@@ -75,13 +77,13 @@ bool is_valid_net(const NetParams<max_nodes, max_springs, max_attachments>& par,
   if (par.num_rows > par.rows.size()) return false;
   for (std::size_t k = 0; k < par.num_rows; ++k)
     if (par.rows[k].first >= par.rows[k].end || par.rows[k].end > par.num_nodes) return false;
-  return are_valid_groups(par);
+  return are_valid_faces(par) && are_valid_groups(par);
 }
 
 /// True if attachments are ordered, of nodes below num_nodes, to existing bodies other than the carrier. The
 /// net must be valid.
-template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachments>& par,
+template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
+bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachments, max_faces>& par,
                            std::size_t num_bodies) noexcept {
   if (par.attachments.size > max_attachments) return false;
   const auto is_number = [](Real a) noexcept { return a >= 0 && a - a == 0; };
@@ -96,8 +98,9 @@ bool are_valid_attachments(const NetParams<max_nodes, max_springs, max_attachmen
 }
 
 /// Places every node at its anchor, moving with its carrier.
-template <class State, std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments>
-void place_net(const NetParams<max_nodes, max_springs, max_attachments>& par, State& x) noexcept {
+template <class State, std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments,
+          std::size_t max_faces>
+void place_net(const NetParams<max_nodes, max_springs, max_attachments, max_faces>& par, State& x) noexcept {
   for (std::size_t n = 0; n < par.num_nodes; ++n) {
     const NetNode& node = par.nodes[n];
     auto& at = x.net.nodes[n];

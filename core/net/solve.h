@@ -46,6 +46,7 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
   }
   to_carrier_frame(w.net, w.x.V_0);
   find_flying(w.net);
+  if constexpr (Contacts::Net::max_faces > 0) find_drifting<Contacts>(w.stage.continues_step, w.net);
   using Scratch = BodyContactScratch<Contacts, N>;
   typename Scratch::OfNet::Coupled system{w.system, w.net, w.coupled_b};
   const SolverLimits how{.has_contacts = w.net.near.size > 0 || w.near.size > 0,

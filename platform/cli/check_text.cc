@@ -132,6 +132,13 @@ void add_nets(const Session& session, std::vector<std::string>& lines) {
   if (!nets.attachments.empty())
     lines.push_back(line("", "%zu of %zu attachments to other bodies, assumed held in the time constants",
                          nets.attachments.size(), c.max_attachments));
+  if (const std::size_t faces = nets.faces().size(); faces > 0) {
+    std::string own;
+    for (const NetRange& net : nets.nets)
+      if (net.touches_itself) own += (own.empty() ? "" : ", ") + ("'" + net.name + "'");
+    lines.push_back(line("", "nets touch each other%s%s; %zu of %zu triangles",
+                         own.empty() ? "" : "; and themselves: ", own.c_str(), faces, c.max_faces));
+  }
   const std::string slowest = times.slowest ? with_number("slowest <= ", *times.slowest, " s, carriers held")
                                             : "slowest not bounded, because nodes have no anchors";
   lines.push_back(line("", "time constants: fastest %.3g s, %.2g steps; %s", times.fastest,

@@ -40,10 +40,11 @@ struct BodyView {
 };
 
 /// A contact that bears a force. The force acts on a sphere or shape edge of body a, or on node a of the
-/// nets. Its counterpart is body b or the world.
+/// nets. Its counterpart is body b, the world, or the surface of a net.
 struct ContactView {
   std::size_t a = 0, b = world;  // bodies; b: or world
   bool is_node = false;          // true if a is the number of a node
+  bool is_on_net = false;        // true if b is the number of a node of the touched triangle
   std::size_t surface = 0;       // index in SceneContacts::surfaces, if b is the world
   Vec3 p_W = Vec3::Zero();       // contact point, m
   Vec3 n_W = Vec3::UnitZ();      // normal, out of b
@@ -81,8 +82,8 @@ struct Composition {
   bool joints = false;  // true if it has all features of joints
   ContactScope contacts = ContactScope::none;
   std::size_t max_spheres = 0, max_surfaces = 0, max_contacts = 0;
-  std::size_t max_nodes = 0, max_springs = 0, max_node_contacts = 0,
-              max_attachments = 0;  // of nets
+  std::size_t max_nodes = 0, max_springs = 0, max_node_contacts = 0, max_attachments = 0,
+              max_faces = 0;  // of nets
   std::size_t params_bytes = 0, state_bytes = 0, scratch_bytes = 0;
   std::vector<PartBytes> parts;  // those that have storage
 

@@ -6,7 +6,8 @@ namespace {
 
 template <class I>
 struct Nets : Tool<I, 16, AllJoints, NetContacts> {
-  using Net = MassSpringNet<max_net_nodes, max_net_springs, max_net_contacts, max_net_attachments>;
+  using Net =
+      MassSpringNet<max_net_nodes, max_net_springs, max_net_contacts, max_net_attachments, max_net_faces>;
 };
 
 }  // namespace

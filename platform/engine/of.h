@@ -245,7 +245,16 @@ class EngineOf final : public Engine {
         }
       };
       add(w_.means.contacts, false);
-      if constexpr (uses<NetOf<S>>) add(w_.means.of_nodes, true);
+      if constexpr (uses<NetOf<S>>) {
+        const std::size_t first = n;
+        add(w_.means.of_nodes, true);
+        for (std::size_t i = first; i < n; ++i) {
+          const ContactForce& one = w_.means.of_nodes.list[i - first];
+          if (one.b != NetContactTerm::on_net) continue;
+          out[i].is_on_net = true;
+          out[i].b = par_.net.faces.list[one.on - first_face_number<ContactsOf<S>>].nodes[0];
+        }
+      }
     }
     return n;
   }

@@ -77,6 +77,7 @@ CompositionRow row(const std::string& name) {
     c.max_springs = S::Net::max_springs;
     c.max_node_contacts = S::Net::max_contacts;
     c.max_attachments = S::Net::max_attachments;
+    c.max_faces = S::Net::max_faces;
   }
   return {std::move(c), make_engine_of<S>};
 }

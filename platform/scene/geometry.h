@@ -69,6 +69,8 @@ struct ContactConfig {
 /// Capacities of the compiled compositions, for all nets of a scene together.
 inline constexpr std::size_t max_net_nodes = 1536, max_net_springs = 9216, max_net_contacts = 768,
                              max_net_attachments = 256;
+/// Triangles of all nets: of three edges each, which they share in twos, so springs are at least 3/2 of them.
+inline constexpr std::size_t max_net_faces = max_net_springs * 2 / 3;
 
 /// Names of NetKind in scene files, in its order.
 inline constexpr std::array net_kind_names{"tube", "capsule", "sphere", "sheet", "mesh"};
@@ -120,6 +122,7 @@ struct NetConfig {
   double settling_time = 0;                // s, > 0
   std::optional<double> anchor_stiffness;  // kappa, N/m^3, >= 0; absent: derived from settling_time
   std::string material = default_material;
+  bool touches_itself = false;  // true: its nodes touch its own surface, too
 
   // Nodes that are held in addition to their anchors.
   bool rim = false;                      // true: nodes on the edge of an open surface

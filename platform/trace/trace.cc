@@ -189,7 +189,9 @@ void ContactTraceWriter::rows(double t, std::span<const ContactView> contacts) {
   for (const ContactView& contact : contacts) {
     file_.number(t);
     file_.text(contact.is_node ? nodes_[contact.a] : bodies_[contact.a]);
-    file_.text(contact.b == world ? obstacles_[contact.surface] : bodies_[contact.b]);
+    file_.text(contact.is_on_net    ? nodes_[contact.b]
+               : contact.b == world ? obstacles_[contact.surface]
+                                    : bodies_[contact.b]);
     file_.vector(contact.p_W);
     file_.vector(contact.n_W);
     file_.vector(contact.F_W);

@@ -74,7 +74,7 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
       return body == world ? UINT32_MAX : static_cast<std::uint32_t>(body);
     };
     to.put(contact.is_node ? UINT32_MAX : index(contact.a))
-        .put(index(contact.b))
+        .put(contact.is_on_net ? UINT32_MAX : index(contact.b))
         .put(contact.p_W)
         .put(contact.n_W)
         .put(contact.F_W);

@@ -67,6 +67,7 @@ void print_capacities(const SceneConfig& scene, const Engine& engine) {
     print("nodes", engine.nets().nodes.size(), c.max_nodes);
     print("springs", engine.nets().springs.size(), c.max_springs);
     print("attachments", engine.nets().attachments.size(), c.max_attachments);
+    print("triangles of nets", engine.nets().faces().size(), c.max_faces);
     std::printf("#   %-24s at most %zu at once; more raise the fault contacts_full\n", "contacts of nodes",
                 c.max_node_contacts);
   }

@@ -119,6 +119,8 @@ ContactScope contact_scope(const SceneConfig& scene) {
     for (std::size_t j = 0; j < scene.bodies.size(); ++j)
       if (tool[i] != tool[j] && is_touchable(scene.bodies[i]) && is_touchable(scene.bodies[j]))
         return ContactScope::bodies;
+  if (std::ranges::count_if(scene.nets, touches) > 1) return ContactScope::bodies;
+  if (std::ranges::any_of(scene.nets, &NetConfig::touches_itself)) return ContactScope::bodies;
   return scene.obstacles.empty() ? ContactScope::none : ContactScope::obstacles;
 }
 
@@ -158,6 +160,8 @@ std::vector<MaterialPair> pairs_that_meet(const SceneConfig& scene) {
   }
   for (const NetConfig& net : scene.nets) {
     pairs.add(node_uses(net), obstacles);
+    for (const NetConfig& other : scene.nets)
+      if (&other != &net || net.touches_itself) pairs.add(node_uses(net), node_uses(other));
     for (std::size_t i = 0; i < scene.bodies.size(); ++i)
       if (meets(scene, tool, net, i)) pairs.add(node_uses(net), surfaces[i]);
   }

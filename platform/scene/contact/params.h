@@ -3,8 +3,8 @@
 //
 // Bodies of one tool, joined other than through the world, do not touch each other. A sphere touches
 // obstacles and bodies of other tools: their shapes, or without shapes their spheres. Shapes touch shapes of
-// other tools and obstacles. Nodes of nets touch as spheres do; the tool of a net is its carrier's. Nets do
-// not touch each other.
+// other tools and obstacles. Nodes of nets touch as spheres do, and the surfaces of other nets; the tool of a
+// net is its carrier's.
 #pragma once
 
 #include <deque>

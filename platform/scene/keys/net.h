@@ -143,11 +143,15 @@ void visit_net_touch(V& v, NetConfig& n) {
           n.thickness);
   visit_material(v, n.material);
   const double t = n.thickness.value_or(0);
+  v.value(Key{"touches_itself", "", "its nodes touch its own surface as those of other nets do"},
+          n.touches_itself);
+  v.check(!n.touches_itself || t > 0, "touches_itself", "needs a thickness above 0 m");
   constexpr double rounding = 1e-9;
-  v.advise(t == 0 || t >= (1 - rounding) * spacing, "thickness",
-           "is below the mean edge of " + rounded(spacing) + " m: solids thinner than " +
-               rounded(2 * spacing / std::sqrt(3.0) - t) +
-               " m pass between the nodes; raise the thickness or lower the spacing");
+  v.advise(
+      t == 0 || t >= (1 - rounding) * spacing, "thickness",
+      "is below the mean edge of " + rounded(spacing) + " m: solids thinner than " +
+          rounded(2 * spacing / std::sqrt(3.0) - t) +
+          " m pass between the nodes, and edges of other nets may; raise the thickness or lower the spacing");
 }
 
 template <class V>

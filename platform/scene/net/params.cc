@@ -66,7 +66,8 @@ class NetBuilder {
 
   void add(const NetConfig& net) {
     const std::optional<std::size_t> body = body_named(scene_, net.body);
-    NetRange range{net.name, body.value_or(world), to_.nodes.size(), net.surface.vertices.size(), {}};
+    NetRange range{net.name, body.value_or(world),          to_.nodes.size(),  net.surface.vertices.size(),
+                   {},       net.thickness.value_or(0) > 0, net.touches_itself};
     const auto first = static_cast<std::uint32_t>(range.first_node);
     for (const TriangleIndices& t : net.surface.triangles)
       range.triangles.push_back({first + t[0], first + t[1], first + t[2]});
@@ -148,6 +149,17 @@ double slow_time(const NetNode& node) {
 }
 
 }  // namespace
+
+std::vector<NetFace> SceneNets::faces() const {
+  std::vector<NetFace> all;
+  const auto touching = std::ranges::count_if(nets, &NetRange::touches);
+  for (const NetRange& net : nets) {
+    if (!net.touches || (touching == 1 && !net.touches_itself)) continue;
+    for (const TriangleIndices& t : net.triangles)
+      all.push_back({.nodes = {t[0], t[1], t[2]}, .touches_own = net.touches_itself});
+  }
+  return all;
+}
 
 // ---- surface --------------------------------------------------------------------------------------
 

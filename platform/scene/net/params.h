@@ -106,7 +106,8 @@ struct NetRange {
   std::string name;
   std::size_t carrier = world;  // index of the body, or world
   std::size_t first_node = 0, num_nodes = 0;
-  std::vector<TriangleIndices> triangles;  // corners: numbers of nodes among all nets
+  std::vector<TriangleIndices> triangles;        // corners: numbers of nodes among all nets
+  bool touches = false, touches_itself = false;  // other nets, bodies and obstacles; its own surface
 };
 
 /// Nets in the order of their carriers, those of the world last; springs in the order of i, then j;
@@ -117,6 +118,9 @@ struct SceneNets {
   std::vector<NetAttachment> attachments;
   std::vector<NetRange> nets;
   int max_iterations = 0;  // largest number in a stage, for all nets
+
+  /// Returns the triangles that nodes touch. Of a net alone that does not touch itself: none.
+  std::vector<NetFace> faces() const;
 };
 
 /// Converts the nets of a scene that was read without errors.
@@ -124,7 +128,7 @@ SceneNets scene_nets(const SceneConfig& scene);
 
 /// Sets the parameters of a composition that has room for the nets.
 template <class Params>
-void set_net_params(const SceneNets& nets, Params& par) noexcept {
+void set_net_params(const SceneNets& nets, Params& par) {
   par.num_nodes = nets.nodes.size();
   std::ranges::copy(nets.nodes, par.nodes.begin());
   par.num_springs = nets.springs.size();
@@ -132,6 +136,11 @@ void set_net_params(const SceneNets& nets, Params& par) noexcept {
   if constexpr (requires { par.attachments.list; }) {
     par.attachments.size = nets.attachments.size();
     std::ranges::copy(nets.attachments, par.attachments.list.begin());
+  }
+  if constexpr (requires { par.faces.list; }) {
+    const std::vector<NetFace> faces = nets.faces();
+    par.faces.size = faces.size();
+    std::ranges::copy(faces, par.faces.list.begin());
   }
   par.max_iterations = nets.max_iterations;
   put_in_order(par);

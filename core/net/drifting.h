@@ -1,0 +1,58 @@
+// Nets of the world that touch each other, or themselves, and nothing else. Their common momentum is
+// conserved: (45) corrects their translation as one, and (48) their rotation. Rotated as one they exert
+// forces, because friction acts at nodes that are as far apart as the nets are thick.
+#pragma once
+
+#include "core/net/scratch.h"
+
+namespace godobject {
+
+/// Returns the row of a node; the number of rows if no spring holds it.
+template <class Net, std::size_t N>
+std::size_t row_of_node(std::uint32_t n, const NetStage<Net, N>& w) noexcept {
+  const auto begin = w.par->rows.begin(), end = begin + static_cast<std::ptrdiff_t>(w.par->num_rows);
+  const auto at = std::partition_point(begin, end, [n](const NodeRow& row) noexcept { return row.end <= n; });
+  return at != end && at->holds(n) ? static_cast<std::size_t>(at - begin) : w.par->num_rows;
+}
+
+/// Finds the drifting nets that active contacts join, of those that near ones do.
+template <class Net, std::size_t N>
+void group_by_terms(NetStage<Net, N>& w) noexcept {
+  auto& faces = w.faces;
+  if (faces.num_drifting == 0) return;
+  faces.active_group.separate(w.par->num_rows);
+  for (std::size_t c = 0; c < faces.num_terms; ++c) {
+    const std::size_t a = row_of_node(faces.terms[c].node, w), b = row_of_node(faces.terms[c].on.nodes[0], w);
+    if (a < w.par->num_rows && b < w.par->num_rows) faces.active_group.join(a, b, w.par->num_rows);
+  }
+}
+
+/// Calls f(node, its group) for the nodes of drifting nets.
+template <class Net, std::size_t N, class Groups, class F>
+void each_drifting(const NetStage<Net, N>& w, const Groups& groups, F f) noexcept {
+  if (w.faces.num_drifting == 0) return;
+  for (std::size_t k = 0; k < w.par->num_rows; ++k)
+    if (w.faces.drifts[k])
+      for (std::uint32_t n = w.par->rows[k].first; n < w.par->rows[k].end; ++n) f(n, groups.of[k]);
+}
+
+/// Computes the velocities of drifting nets as a whole that the impulses J(node) give them.
+template <class Net, std::size_t N, class Groups, class Impulse>
+void set_drifts(NetStage<Net, N>& w, const Groups& groups, Impulse J) noexcept {
+  auto& faces = w.faces;
+  if (faces.num_drifting == 0) return;
+  for (std::uint32_t k = 0; k < w.par->num_rows; ++k) {
+    faces.mass[k] = 0;
+    faces.sum[k] = Column(Pack(0));
+  }
+  each_drifting(w, groups, [&](std::uint32_t n, std::uint32_t group) noexcept {
+    faces.mass[group] += w.m[n];
+    faces.sum[group] += J(n);
+  });
+  for (std::uint32_t n = 0; n < w.num_nodes; ++n) faces.drift[n] = Column(Pack(0));
+  each_drifting(w, groups, [&](std::uint32_t n, std::uint32_t group) noexcept {
+    faces.drift[n] = faces.sum[group] * (1 / faces.mass[group]);
+  });
+}
+
+}  // namespace godobject
