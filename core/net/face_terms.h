@@ -1,6 +1,6 @@
 // Contacts of nodes with faces of nets in the system.
 //
-//   (59)  x' = v_n - sum w_m v_m;  impulse J - K x' on the node, -w_m times it on the face's nodes;
+//   (60)  x' = v_n - sum w_m v_m;  impulse J - K x' on the node, -w_m times it on the face's nodes;
 //         K = a 1 + b n n^T as of other contacts (24)
 //
 // Levers of friction, as long as the net is thick, are left to (48).
@@ -39,7 +39,7 @@ Column resistance(const NetFaceTerm& term, const Vector& v) noexcept {
   return x_dot * term.a + term.n * (term.b * dot(term.n, x_dot));
 }
 
-/// Computes AV += A_faces v (59).
+/// Computes AV += A_faces v (60).
 template <class Net, std::size_t N, class Vector>
 void add_faces_product(const NetStage<Net, N>& w, const Vector& v, Vector& AV) noexcept {
   for (std::size_t c = 0; c < w.faces.num_terms; ++c) {

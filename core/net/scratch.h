@@ -50,7 +50,7 @@ struct FaceTouch {
   FacePlace at_face, at_memory_face;
 };
 
-/// Contact of a node with a face in the system (59): effective mass a 1 + b n n^T.
+/// Contact of a node with a face in the system (60): effective mass a 1 + b n n^T.
 struct NetFaceTerm {
   std::uint32_t node = 0;
   std::size_t carrier = world;  // of the node
