@@ -1,4 +1,4 @@
-// Compositions of tools in contact with obstacles, and of articulated tools that touch free bodies too.
+// Compositions of tools in contact with obstacles.
 #include "platform/engine/tool.h"
 
 namespace godobject {
@@ -10,9 +10,6 @@ void add_contacts(std::vector<CompositionRow>& table) {
   // Articulated tools in contact with obstacles.
   table.push_back(row<Tool<ImplicitEuler, 64, AllJoints, ToolContacts>>("joints-contacts"));
   table.push_back(row<Tool<TrBdf2, 64, AllJoints, ToolContacts>>("joints-contacts"));
-  // Articulated tools and free bodies in contact with each other and with obstacles.
-  table.push_back(row<Tool<ImplicitEuler, 64, AllJoints, PileContacts>>("joints-touching"));
-  table.push_back(row<Tool<TrBdf2, 64, AllJoints, PileContacts>>("joints-touching"));
 }
 
 }  // namespace godobject

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "platform/engine/tool.h"
+#include "platform/engine/row.h"
 #include "platform/scene/contact/params.h"
 
 namespace godobject {

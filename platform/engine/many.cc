@@ -16,6 +16,9 @@ void add_many(std::vector<CompositionRow>& table) {
   // Many bodies in contact with each other and with obstacles.
   table.push_back(row<Tool<ImplicitEuler, 64, None, PileContacts>>("touching"));
   table.push_back(row<Tool<TrBdf2, 64, None, PileContacts>>("touching"));
+  // Articulated tools and free bodies in contact with each other and with obstacles.
+  table.push_back(row<Tool<ImplicitEuler, 64, AllJoints, PileContacts>>("joints-touching"));
+  table.push_back(row<Tool<TrBdf2, 64, AllJoints, PileContacts>>("joints-touching"));
   // Deformable nets on tools and free bodies, with contacts among all of them and with obstacles.
   table.push_back(row<Nets<ImplicitEuler>>("nets"));
   table.push_back(row<Nets<TrBdf2>>("nets"));

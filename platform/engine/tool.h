@@ -1,22 +1,11 @@
-// Table of compositions: its row type, the functions that add rows, and the scene type of every row. Each
-// has any device, coupling and feedback; parameters select joints, contacts and the number of bodies.
+// Scene types of all compositions. Each has any device, coupling and feedback; parameters select joints,
+// contacts and the number of bodies.
 #pragma once
 
 #include "platform/engine/of.h"
+#include "platform/engine/row.h"
 
 namespace godobject {
-
-/// One row of the table of compositions.
-struct CompositionRow {
-  Composition composition;
-  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&,
-                                  Validity&);
-};
-
-// One file each, and one line in engine.cc.
-void add_free(std::vector<CompositionRow>& table);
-void add_contacts(std::vector<CompositionRow>& table);
-void add_many(std::vector<CompositionRow>& table);
 
 /// Returns the bytes of each part of a composition.
 template <Scene S>
