@@ -91,7 +91,9 @@ struct Pair {
     EXPECT_FALSE(any(pile->out.fault));
     const auto& near = pile->w.contacts.near;
     for (std::size_t i = 0; i < near.size; ++i) {
-      if (i > 0) EXPECT_LT(near.list[i - 1].key, near.list[i].key);
+      if (i > 0) {
+        EXPECT_LT(near.list[i - 1].key, near.list[i].key);
+      }
       f(near.list[i]);
     }
   }
@@ -134,12 +136,18 @@ void expect_pairs(bool on_body, bool rounded) {
         SCOPED_TRACE(::testing::Message()
                      << "shapes " << int(of_a) << " and " << int(of_b) << ", seed " << seed << ", depth "
                      << expected.depth << ", rounding " << rounding);
-        if (expected.depth > rounding) EXPECT_GT(deepest, 0) << "not found";
-        if (expected.depth < -1e-9) EXPECT_LE(deepest, rounding) << "found apart";
+        if (expected.depth > rounding) {
+          EXPECT_GT(deepest, 0) << "not found";
+        }
+        if (expected.depth < -1e-9) {
+          EXPECT_LE(deepest, rounding) << "found apart";
+        }
         overlaps += expected.depth > rounding ? 1 : 0;
         if (!expected.sure || !(expected.depth > rounding) || pair.is_parallel()) continue;
         EXPECT_LT(nearest, rounding);
-        if (!is_sharp(pair.a, pair.b)) EXPECT_NEAR(deepest, expected.depth, rounding);
+        if (!is_sharp(pair.a, pair.b)) {
+          EXPECT_NEAR(deepest, expected.depth, rounding);
+        }
         ++compared;
         if (::testing::Test::HasFailure()) return;
       }
