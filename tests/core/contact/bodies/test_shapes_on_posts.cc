@@ -134,8 +134,8 @@ TYPED_TEST(ShapesOnPosts, ATrayTipsIfItsCentreIsBesideItsSupport) {
               post, {.on_body = on_body, .with_spheres = with_spheres, .offset = Vec3(x, 0, 0)});
           ASSERT_TRUE(run.pile->run(0.6));
           const Vec3 up = run.pile->at(run.tray).X_WB.q * Vec3::UnitZ();
-          if (x < 0.01) EXPECT_GT(up.z(), 0.9999) << "tips at " << x;
-          else EXPECT_LT(up.z(), 0.9) << "stays at " << x;
+          EXPECT_EQ(up.z() > 0.9999, x < 0.01) << "stays or tips at " << x;
+          EXPECT_EQ(up.z() < 0.9, x > 0.01) << "stays or tips at " << x;
         }
   }
 }
