@@ -20,7 +20,7 @@ struct Nets : Running<FaceScene<I, contacts>> {
     this->par.gravity_W = gravity_W;
     this->par.bodies[0].body = rigid_body(1, Mat3(Mat3::Identity()));
     this->in.devices[0].engaged = this->in.devices[0].valid = false;
-    place(this->x, 0, {.X_WB = {.p = Vec3(0, 0, 50)}});
+    place(this->x, 0, {.X_WB = {.p = Vec3(0, 0, 50)}, .V_WB = {}});
   }
   void add_floor() { this->par.contacts.surfaces[this->par.contacts.num_surfaces++] = {.shape = {}}; }
   void start() {
@@ -123,7 +123,7 @@ TYPED_TEST(NetFaces, BagsBetweenJawsStayApart) {
     par.bodies[i].device.rise = 0;
     par.contacts.surfaces[par.contacts.num_surfaces++] = {
         .body = i, .shape = {.kind = ShapeKind::box, .half_extents = Vec3(0.03, 0.03, 0.005)}};
-    place(s->x, i, {.X_WB = target(i, 0).X_WD});
+    place(s->x, i, {.X_WB = target(i, 0).X_WD, .V_WB = {}});
     engage_at(s->x, i, target(i, 0));
   }
   const Stuff stuff{.m = 3e-4, .k = 200, .g = 0.02, .g_a = 1e-3, .radius = 1e-3};
