@@ -76,6 +76,9 @@ struct Drifting {
   }
 };
 
+template <class Net, std::size_t N>
+Drifting(const NetStage<Net, N>&, std::uint32_t) -> Drifting<Net, N>;
+
 /// Flying group: bodies joined by attachments, with all their carried nodes. of[i]: number of body i's group.
 template <class Net, std::size_t N>
 struct Attached {

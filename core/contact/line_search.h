@@ -185,10 +185,12 @@ Real scale_velocities(Real h, const Island& island, const System& system,
       const SpatialVector V{.w = Column(Pack(0)), .v = whole};
       return LineStart<Velocity>{V, system.b[u] - V * w.stages[u].M};
     } else {
-      if constexpr (may_drift<System, Contacts> && std::is_same_v<Velocity, Column>) {
-        if (w.net.faces.num_drifting > 0) {
-          const Column& drift = w.net.faces.drift[u.n];
-          return LineStart<Velocity>{drift, system.b[u] - drift * w.net.m[u.n]};
+      if constexpr (may_drift<System, Contacts>) {
+        if constexpr (std::is_same_v<Velocity, Column>) {
+          if (w.net.faces.num_drifting > 0) {
+            const Column& drift = w.net.faces.drift[u.n];
+            return LineStart<Velocity>{drift, system.b[u] - drift * w.net.m[u.n]};
+          }
         }
       }
       return LineStart<Velocity>{{}, system.b[u]};
