@@ -8,6 +8,8 @@ set -eu
 source_dir=$1 eigen=$2 work=$3
 flags="-std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -fno-math-errno -ffp-contract=off
   -fno-tree-vectorize -fno-tree-slp-vectorize"
+# Forced inlining takes most of the time of a build, and is in the nightly ones.
+[ -n "${GODOBJECT_EVERY_LEVEL:-}" ] || flags="$flags -DGODOBJECT_NO_FLATTEN"
 launcher=$(command -v ccache || true)
 rm -rf "$work"
 mkdir -p "$work"
