@@ -3,17 +3,10 @@
 // forces, because friction acts at nodes that are as far apart as the nets are thick.
 #pragma once
 
+#include "core/net/faces.h"
 #include "core/net/scratch.h"
 
 namespace godobject {
-
-/// Returns the row of a node; the number of rows if no spring holds it.
-template <class Net, std::size_t N>
-std::size_t row_of_node(std::uint32_t n, const NetStage<Net, N>& w) noexcept {
-  const auto begin = w.par->rows.begin(), end = begin + static_cast<std::ptrdiff_t>(w.par->num_rows);
-  const auto at = std::partition_point(begin, end, [n](const NodeRow& row) noexcept { return row.end <= n; });
-  return at != end && at->holds(n) ? static_cast<std::size_t>(at - begin) : w.par->num_rows;
-}
 
 /// Finds the drifting nets that active contacts join, of those that near ones do.
 template <class Net, std::size_t N>
@@ -22,7 +15,8 @@ void group_by_terms(NetStage<Net, N>& w) noexcept {
   if (faces.num_drifting == 0) return;
   faces.active_group.separate(w.par->num_rows);
   for (std::size_t c = 0; c < faces.num_terms; ++c) {
-    const std::size_t a = row_of_node(faces.terms[c].node, w), b = row_of_node(faces.terms[c].on.nodes[0], w);
+    const std::size_t a = row_of_node(*w.par, faces.terms[c].node),
+                      b = row_of_node(*w.par, faces.terms[c].on.nodes[0]);
     if (a < w.par->num_rows && b < w.par->num_rows) faces.active_group.join(a, b, w.par->num_rows);
   }
 }

@@ -62,11 +62,11 @@ void find_drifting(bool continues_step, NetStage<Net, N>& w) noexcept {
   const auto hold = [&](std::size_t row) noexcept {
     if (row < num_rows) faces.is_held[row] = true;
   };
-  for (const NetContactTerm& one : w.attached()) hold(row_of_node(one.node, w));
+  for (const NetContactTerm& one : w.attached()) hold(row_of_node(*w.par, one.node));
   const auto join = [&](std::uint32_t node, bool is_on_face, std::uint32_t face) noexcept {
-    const std::size_t a = row_of_node(node, w);
+    const std::size_t a = row_of_node(*w.par, node);
     if (!is_on_face) return hold(a);
-    const std::size_t b = row_of_node(w.par->faces.list[face].nodes[0], w);
+    const std::size_t b = row_of_node(*w.par, w.par->faces.list[face].nodes[0]);
     for (const std::size_t row : {a, b})
       if (row < num_rows) faces.touches[row] = true;
     if (a == num_rows || b == num_rows) {

@@ -77,6 +77,14 @@ inline bool crosses_face(const Corners& t_0, const Vec3& p_0, const Corners& t, 
   return projected_weights(at, p_0 + s * (p - p_0)).minCoeff() >= -face_rim;
 }
 
+/// Returns the row of a node; the number of rows if no spring holds it. Rows are in the order of their nodes.
+template <class Params>
+std::size_t row_of_node(const Params& par, std::uint32_t n) noexcept {
+  const auto begin = par.rows.begin(), end = begin + static_cast<std::ptrdiff_t>(par.num_rows);
+  const auto at = std::partition_point(begin, end, [n](const NodeRow& row) noexcept { return row.end <= n; });
+  return at != end && at->holds(n) ? static_cast<std::size_t>(at - begin) : par.num_rows;
+}
+
 /// Orders faces by their rows, and within a row so that halves of each range are apart in space. Faces of
 /// missing nodes stay in place for are_valid_faces() to reject.
 template <std::size_t max_nodes, std::size_t max_springs, std::size_t max_attachments, std::size_t max_faces>
@@ -88,11 +96,7 @@ void put_faces_in_order(NetParams<max_nodes, max_springs, max_attachments, max_f
     for (std::size_t f = 0; f < faces.size; ++f)
       for (const std::uint32_t n : faces.list[f].nodes)
         if (n >= par.num_nodes) return;
-    const auto row_of = [&](const NetFace& face) noexcept {
-      std::size_t k = 0;
-      while (k < par.num_rows && !par.rows[k].holds(face.nodes[0])) ++k;
-      return k;
-    };
+    const auto row_of = [&](const NetFace& face) noexcept { return row_of_node(par, face.nodes[0]); };
     const auto first = faces.list.begin();
     std::sort(first, first + static_cast<std::ptrdiff_t>(faces.size),
               [&](const NetFace& a, const NetFace& b) {

@@ -20,6 +20,11 @@ constexpr std::uint32_t num_points(ShapeKind kind) noexcept {
 }
 inline constexpr std::uint32_t max_points = 8;
 
+/// True if a shape has points whose bits are not set in `rounded` (Surface::rounded).
+constexpr bool has_points(ShapeKind kind, std::uint8_t rounded) noexcept {
+  return (rounded + 1u) >> num_points(kind) == 0;
+}
+
 /// Point of a shape, in the shape's frame.
 struct ShapePoint {
   Vec3 p_S = Vec3::Zero();    // centre of its ball

@@ -1,4 +1,4 @@
-// Compositions of many bodies in contact: rigid bodies, and nets on tools and free bodies.
+// Compositions of bodies that touch each other: rigid, articulated, and with nets.
 #include "platform/engine/tool.h"
 
 namespace godobject {

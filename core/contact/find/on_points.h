@@ -51,7 +51,7 @@ void find_on_points(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
   for (; s < s_end; ++s) {
     const PlacedShape& of = w.placed[s];
     const std::uint32_t num = num_points(of.kind());
-    if ((w.rounded[s] + 1u) >> num != 0) continue;
+    if (!has_points(of.kind(), w.rounded[s])) continue;
     const Vec3 half_S = points_apart(of);
     // a corner whose ball is near is within two diameters of the ball
     const Real reach = travel + (of.kind() == ShapeKind::box ? 4 * corner_ball * half_thickness(of.in_world())

@@ -127,10 +127,6 @@ inline Aabb box_round(const SpherePack* packs, std::uint32_t num_packs, Real tra
   return box;
 }
 
-/// True if a surface has points that no sphere rounds.
-inline bool has_points(const Surface& surface) noexcept {
-  return (surface.rounded + 1u) >> num_points(surface.shape.kind) == 0;
-}
 /// Places the surfaces of a body in the world, from number o on. Returns the number after them. Their points
 /// that touch count as spheres in the bounds of the body.
 template <class Contacts, std::size_t N>
@@ -143,7 +139,7 @@ std::uint32_t place_surfaces(const typename Contacts::Params& par, std::uint32_t
     const Surface& surface = par.surfaces[o];
     w.placed[o] = PlacedShape(surface.shape, w.at[i]);
     w.rounded[o] = surface.rounded;
-    if (!has_points(surface)) continue;
+    if (!has_points(surface.shape.kind, surface.rounded)) continue;
     owned.has_points = true;
     owned.farthest = std::max(owned.farthest, surface.shape.X_WS.p.norm() + ball_round(w.placed[o]));
     owned.smallest = std::min(owned.smallest, point_of(surface.shape, 0, half_thickness(surface.shape)).r);
