@@ -160,8 +160,8 @@ inline constexpr Real line_aim = 0.5;
 inline constexpr Real max_scale = 2;
 
 /// Search for friction in islands whose bodies touch the world alone. Numbers of iterations by tangents (25),
-/// then by secants (24). Later iterations keep the impedance of friction, so that an unfinished search adds no
-/// energy. Tolerances are shares of the largest normal force.
+/// then by secants (24). Later iterations keep the impedance of friction, so that an unfinished search adds
+/// no energy. Tolerances are shares of the largest normal force.
 struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
