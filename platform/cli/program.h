@@ -3,9 +3,11 @@
 // platform/cli/simulate/main.cc.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "platform/session/session.h"
+
+namespace CLI {
+class App;
+}
 
 namespace godobject {
 

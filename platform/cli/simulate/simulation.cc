@@ -16,7 +16,8 @@ namespace {
 
 /// Number of periods without SYNC after which the mechanics run by themselves.
 constexpr int periods_without_sync = 5;
-constexpr Nanoseconds tracker_poll_ns = 1'000'000;
+/// Longest time between two steps, so that holds are measured.
+constexpr Nanoseconds longest_step_ns = 1'000'000;
 
 double seconds(Nanoseconds t) noexcept { return 1e-9 * static_cast<double>(t); }
 
@@ -102,7 +103,8 @@ Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, con
   if (!motion_waits_for_sync) t_motion_ns_ = 0;
 }
 
-void Simulation::step(Nanoseconds now) noexcept {
+void Simulation::step(Nanoseconds wall_ns) noexcept {
+  const Nanoseconds now = clock_.advance(wall_ns, next_event());
   if (rig_) run_rig(now);
   now_ns_ = now;
   if (tools_) run_trackers();
@@ -189,13 +191,12 @@ void Simulation::watch_motors() noexcept {
 }
 
 Nanoseconds Simulation::next_event() const noexcept {
-  const Nanoseconds t_tracker_ns =
-      tools_ ? now_ns_ + tracker_poll_ns : std::numeric_limits<Nanoseconds>::max();
-  if (!rig_) return t_tracker_ns;
+  const Nanoseconds t_latest_ns = now_ns_ + longest_step_ns;
+  if (!rig_) return t_latest_ns;
   const bool alone = now_ns_ - t_sync_ns_ >= periods_without_sync * period_ns_;
   const Nanoseconds t_plant_ns =
       alone ? t_plant_ns_ + period_ns_ : t_sync_ns_ + periods_without_sync * period_ns_;
-  return std::min({t_plant_ns, rig_->next_event().value_or(t_plant_ns), t_tracker_ns});
+  return std::min({t_plant_ns, rig_->next_event().value_or(t_plant_ns), t_latest_ns});
 }
 
 double Simulation::motion_time() const noexcept {
@@ -212,6 +213,7 @@ std::vector<int> Simulation::descriptors() const {
 nlohmann::ordered_json Simulation::to_json() const {
   using json = nlohmann::ordered_json;
   json out{{"t_s", seconds(now_ns_)},
+           {"held_s", seconds(clock_.held())},
            {"motion_s", motion_time()},
            {"syncs", syncs_},
            {"sync_at_s", seconds(t_sync_ns_)},

@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "platform/cli/simulate/held_clock.h"
 #include "platform/linux/bus/bus.h"
 #include "platform/linux/serial_port.h"
 #include "platform/motion/motion.h"
@@ -120,10 +121,11 @@ class Simulation {
              std::vector<OfferedBus> buses, bool motion_waits_for_sync,
              std::vector<std::unique_ptr<TrackerLine>> trackers = {});
 
-  /// Simulates up to `now`, since the start: frames in, wires, nodes, mechanics, frames out.
-  void step(Nanoseconds now) noexcept;
-  /// Returns the time of the next step() if no frame arrives before.
-  Nanoseconds next_event() const noexcept;
+  /// Simulates up to `wall_ns`, wall time since the start: frames in, wires, nodes, mechanics, frames out.
+  /// Simulated time stands still while the program is held up, see HeldClock.
+  void step(Nanoseconds wall_ns) noexcept;
+  /// Returns the wall time of the next step() if no frame arrives before.
+  Nanoseconds next_step() const noexcept { return clock_.wall(next_event()); }
 
   /// Descriptors for ppoll.
   std::vector<int> descriptors() const;
@@ -138,6 +140,7 @@ class Simulation {
   nlohmann::ordered_json to_json() const;
 
  private:
+  Nanoseconds next_event() const noexcept;
   void run_rig(Nanoseconds now) noexcept;
   void run_trackers() noexcept;
   nlohmann::ordered_json faults_json() const;
@@ -157,6 +160,7 @@ class Simulation {
   std::vector<MotorWatch> motors_;  // one per drive
   std::vector<std::unique_ptr<TrackerLine>> trackers_;
   std::optional<SimTrackers> tools_;  // tools of the trackers
+  HeldClock clock_;
   Nanoseconds now_ns_ = 0;
   Nanoseconds t_plant_ns_ = 0;              // end of the simulated mechanics
   Nanoseconds t_sync_ns_ = 0;               // time of the latest SYNC

@@ -216,7 +216,7 @@ void play(const SimulateOptions& options, PreparedSimulation& prepared) {
     while (input && !quit && input->try_line(line))
       static_cast<void>(answers.write(answer(line, simulation, quit) + "\n"));
     if (input) descriptors.back().fd = input->descriptor();
-    wait(descriptors, start + simulation.next_event());
+    wait(descriptors, start + simulation.next_step());
   }
   const BackgroundFile::Result written = answers.close(BackgroundFile::Clock::now() + patience);
   if (written.lost_lines > 0)

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <CLI/CLI.hpp>
+
 #include "hal/canopen/cia406.h"
 #include "platform/cli/bus/dialogue.h"
 

@@ -64,7 +64,7 @@ class SimulateTest : public testing::Test {
 
   void run_until(Nanoseconds t) {
     while (now_ < t) {
-      now_ = std::min(t, std::max(now_ + 1000, simulation_->next_event()));
+      now_ = std::min(t, std::max(now_ + 1000, simulation_->next_step()));
       simulation_->step(now_);
     }
   }

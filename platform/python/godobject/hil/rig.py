@@ -50,7 +50,7 @@ class Rig:
                 listener = Listener(name, open_port(address))
                 self._resources.callback(listener.close)
                 self.listeners[name] = listener
-            self._clock: Clock | None = None
+            self._clock: tuple[Clock, float] | None = None  # measured, and held_s then
         except BaseException:
             self.close()
             raise
@@ -211,23 +211,26 @@ class Rig:
             self.fault("restart", bus=node.bus, node=node.node_id)
 
     def status(self) -> dict[str, Any]:
-        """Returns `status` of the simulator: t_s, motion_s, buses, drives (torque_Nm, nonzero_at_s), faults, ..."""
+        """Returns `status` of the simulator: t_s, held_s, motion_s, buses, drives (torque_Nm, nonzero_at_s), faults, ..."""
         return self._simulation().command_line("status")
 
     @property
     def clock(self) -> Clock:
-        """Clock of the simulated rig, t_s of status()."""
+        """Clock of the simulated rig, t_s of status(). It stands still while the simulator is held up, which is
+        measured (held_s of status()) and part of error_s."""
         if self._clock is None:
-            best: Clock | None = None
+            best: tuple[Clock, float] | None = None
             for _ in range(5):  # of several round trips the shortest
                 sent = now()
-                t_s = float(self.status()["t_s"])
+                status = self.status()
                 received = now()
-                clock = Clock((sent + received) / 2 - t_s, (received - sent) / 2)
-                best = clock if best is None or clock.error_s < best.error_s else best
+                clock = Clock((sent + received) / 2 - float(status["t_s"]), (received - sent) / 2)
+                if best is None or clock.error_s < best[0].error_s:
+                    best = clock, float(status["held_s"])
             self._clock = best
         assert self._clock is not None
-        return self._clock
+        clock, held_s = self._clock
+        return Clock(clock.zero_wall_s, clock.error_s + float(self.status()["held_s"]) - held_s)
 
     def torque_Nm(self, joint: str = "") -> float:
         """Returns the largest absolute torque of the motors, or of a joint's, N m."""
