@@ -9,8 +9,6 @@
 namespace godobject::test_four_at_a_time {
 namespace {
 
-using Contacts = BodyContacts<8, 8, 32>;
-
 ContactPlacesOf<Real> drawn_places(Random& random) {
   return {.R_a = random.rotation().toRotationMatrix(),
           .R_b = random.rotation().toRotationMatrix(),
