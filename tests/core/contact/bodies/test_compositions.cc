@@ -36,7 +36,7 @@ template <class I>
 constexpr std::array unrelated_to{Unrelated::none, Unrelated::in_flight, Unrelated::at_rest,
                                   Unrelated::in_contact};
 template <>
-constexpr std::array unrelated_to<TrBdf2>{Unrelated::none, Unrelated::in_flight};
+constexpr std::array unrelated_to<TrBdf2>{Unrelated::none, Unrelated::in_flight, Unrelated::at_rest};
 
 struct DrawnBody {
   bool is_ball = false;
