@@ -18,6 +18,8 @@ struct ImportOptions {
   std::string file, out;
 };
 
+#ifdef GODOBJECT_TINYXML2
+
 /// Writes a new file. An existing one is kept, because it may have been edited.
 ExitCode write_new(const std::string& path, const std::string& text) {
   std::FILE* const file = std::fopen(path.c_str(), "wx");
@@ -33,8 +35,6 @@ ExitCode write_new(const std::string& path, const std::string& text) {
   std::remove(path.c_str());
   return ExitCode::fault;
 }
-
-#ifdef GODOBJECT_TINYXML2
 
 ExitCode import_urdf(const ImportOptions& options) {
   const FileText file = read_file(options.file, max_toml_bytes);

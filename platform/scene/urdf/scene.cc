@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <ranges>
 #include <set>
 
 #include "core/device/holding.h"
@@ -75,8 +74,9 @@ class UrdfScene {
   void write_body(const UrdfGroup& group) {
     table("[[body]]");
     name("name", group.first->name);
-    for (const UrdfPart& part : group.links | std::views::drop(1))
-      comment("with link " + part.link->name + ", by joint " + part.joint->name);
+    for (const UrdfPart& part : group.links)
+      if (part.link != group.first)
+        comment("with link " + part.link->name + ", by joint " + part.joint->name);
     key("mass", shortest(group.mass));
     const double largest = group.I.cwiseAbs().maxCoeff();
     const Mat3 I = (group.I.array().abs() <= rounding * largest).select(0, group.I);

@@ -1,6 +1,5 @@
 // The tree of a robot description, and its links merged into bodies.
 #include <algorithm>
-#include <ranges>
 #include <unordered_map>
 #include <utility>
 
@@ -143,9 +142,9 @@ class UrdfTree {
     groups_[on].links.push_back({now.link, joint, X});
     const auto children = children_.find(now.link->name);
     if (children == children_.end()) return;
-    for (const UrdfJoint* child : children->second | std::views::reverse)
-      if (const auto link = links_.find(child->child); link != links_.end())
-        next.push_back({link->second, child, on, composed(X, child->X_PC)});
+    for (auto child = children->second.rbegin(); child != children->second.rend(); ++child)
+      if (const auto link = links_.find((*child)->child); link != links_.end())
+        next.push_back({link->second, *child, on, composed(X, (*child)->X_PC)});
   }
 
   void check_masses() {
