@@ -29,6 +29,10 @@ std::string text_of(const Quat& q) {
 }
 bool is_identity(const Quat& q) { return q.vec().cwiseAbs().maxCoeff() <= rounding; }
 
+std::string mesh_of(const UrdfShape& shape) {
+  return "mesh " + excerpt(std::filesystem::path(shape.file).filename().string());
+}
+
 class UrdfScene {
  public:
   UrdfScene(const UrdfRobot& robot, const std::vector<UrdfGroup>& groups, std::string scene_folder,
@@ -98,7 +102,7 @@ class UrdfScene {
   /// True if bodies can carry the shape; otherwise adds a warning and a comment.
   bool is_solid(const UrdfShape& shape, const UrdfLink& link) {
     if (shape.kind == UrdfShapeKind::mesh)
-      return leave_out(shape, link, "mesh " + excerpt(shape.file),
+      return leave_out(shape, link, mesh_of(shape),
                        "bodies carry boxes, spheres and capsules: add [[body.shape]] tables");
     if (shape.kind == UrdfShapeKind::cylinder && shape.length < 2 * shape.radius)
       return leave_out(shape, link, "cylinder shorter than wide",
@@ -192,7 +196,7 @@ class UrdfScene {
   /// Writes a mesh obstacle if the scene can read its file; otherwise leaves it out.
   bool write_mesh(const UrdfShape& shape, const UrdfLink& link, const std::string& title, const Pose& X) {
     namespace fs = std::filesystem;
-    const std::string which = "mesh " + excerpt(shape.file);
+    const std::string which = mesh_of(shape);
     const fs::path scene = fs::absolute(scene_folder_).lexically_normal();
     const fs::path file = fs::absolute(fs::path(log_.file())).parent_path() / shape.file;
     const std::string from_scene = file.lexically_normal().lexically_relative(scene).string();

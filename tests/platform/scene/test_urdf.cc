@@ -278,8 +278,8 @@ TEST(UrdfImport, ShapesOfMovingLinksAreSolidsOrLeftOutByName) {
   EXPECT_EQ(shapes[1].half_length, 0.15);
   EXPECT_NEAR(shapes[1].X.q.angularDistance(Quat(Eigen::AngleAxisd(1, Vec3::UnitY()))), 0, 1e-15);
   EXPECT_THAT(robot.warnings, ElementsAre(HasSubstr("link 'a': cylinder shorter than wide is left out"),
-                                          HasSubstr("link 'a': mesh 'package://p/a.dae' is left out")));
-  EXPECT_THAT(robot.toml, HasSubstr("# left out: mesh 'package://p/a.dae' of link a"));
+                                          HasSubstr("link 'a': mesh 'a.dae' is left out")));
+  EXPECT_THAT(robot.toml, HasSubstr("# left out: mesh 'a.dae' of link a"));
 }
 
 class UrdfMesh : public ProgramTest {};
