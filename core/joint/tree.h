@@ -237,9 +237,11 @@ void eliminate(const typename Joints::Params& par, std::size_t i, const Wrench& 
     if constexpr (Motion::num_turns == 3) beta.w.setZero();
     child.beta = {.w = Column(beta.w), .v = Column(beta.v)};
     JointCoordinates q = JointCoordinates::Zero();
-    if constexpr (uses<typename Joints::Stops> && requires { kind.coordinates(joint.X); }) {
-      q = counted<decltype(kind)>(joint.X, joint.V.w, tree.q[i], h);
-      tree.stop_changes |= !on_same_branches(par.stop.stops, q, tree.q[i]);
+    if constexpr (uses<typename Joints::Stops>) {
+      if constexpr (requires { kind.coordinates(joint.X); }) {
+        q = counted<decltype(kind)>(joint.X, joint.V.w, tree.q[i], h);
+        tree.stop_changes |= !on_same_branches(par.stop.stops, q, tree.q[i]);
+      }
     }
     const bool has_parent = par.parent != world;
     ArticulatedBody &a = child.body, &p = parent.body;

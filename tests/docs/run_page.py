@@ -43,7 +43,7 @@ STARVED = {"deadlines_missed", "held", "sample_stale", "drive_silent", "emergenc
 BLOCK = re.compile(r"^```(\S+)[ ]*(.*)\n((?:.*\n)*?)```$", re.M)
 TERMINAL = re.compile(r"/dev/pts/\d+")
 VIEW = re.compile(r"http://([\w.]+):(\d+)/\?token=(\w+)")
-FAULT = re.compile(r"FAULT (\w+)")
+FAULT = re.compile(r"(?:FAULT |^(?=\w+ \(\w+ node \d))(\w+)", re.M)  # of `run`, and of a RigRun
 AFTER = re.compile(r"^<!-- after: (\S+) -->$", re.M)
 TOOLS = {"gnuplot", "g++", "cmake", "ninja"}  # of Debian; a page that needs a missing one is skipped
 

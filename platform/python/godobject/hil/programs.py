@@ -209,11 +209,12 @@ class Run(Process):
     def was_starved(self) -> bool:
         """True if the faults of an ended run are those of a stalling machine, without an injected fault.
 
-        A drive then received no command for its `deadline_ms`, or the host no answer for `stale_after`.
+        A drive then received no command for its `deadline_ms`, or the host no frame for `stale_after` or for the
+        `heartbeat_timeout` of all nodes.
         """
         faults = self.faults()
         watchdog = faults == {"emergency"} and "0x8250" in self.fault_text()
-        return watchdog or (bool(faults) and faults <= {"drive_silent", "sample_stale", "held"})
+        return watchdog or (bool(faults) and faults <= {"drive_silent", "sample_stale", "heartbeat_lost", "held"})
 
 
 def is_sanitized(program: str | Path) -> bool:

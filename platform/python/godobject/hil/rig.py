@@ -151,16 +151,18 @@ class Rig:
     def run_enabled(self, *arguments: str | Path, timeout_s: float = 15.0, record: bool = True, trace: bool = False) -> Run:
         """Starts `godobject run` and waits until every drive is enabled; again if a busy machine has stalled the start."""
         for _ in range(ATTEMPTS):
-            marks = self.marks()
+            marks, held_s = self.marks(), self.held_s()
             run = self.start_run(*arguments, record=record, trace=trace)
             if self.wait_until_enabled(run, timeout_s, marks):
                 return run
-            if not run.report_path.exists():
-                raise Refused(run.error_text().strip() or f"exit code {run.exit_code}", " ".join(run.command))
-            if not run.was_starved():
+            is_stalled = (self.held_s() > held_s + 4 * self.scene.step_s or
+                          (run.report_path.exists() and run.was_starved()))
+            if not is_stalled:
                 break
+        if not run.report_path.exists():
+            raise Refused(run.error_text().strip() or f"exit code {run.exit_code}", " ".join(run.command))
         raise Ended(f"godobject run has ended:\n{run.error_text()}\n{run.fault_text()}", self.scene.path,
-                    "end other load on this machine" if run.was_starved() else "godobject faults explains each fault")
+                    "end other load on this machine" if is_stalled else "godobject faults explains each fault")
 
     def marks(self) -> dict[str, int]:
         """Returns a position in the frames of each bus, as Listener.mark()."""
@@ -230,7 +232,11 @@ class Rig:
             self._clock = best
         assert self._clock is not None
         clock, held_s = self._clock
-        return Clock(clock.zero_wall_s, clock.error_s + float(self.status()["held_s"]) - held_s)
+        return Clock(clock.zero_wall_s, clock.error_s + self.held_s() - held_s)
+
+    def held_s(self) -> float:
+        """Returns the time, s, for which a busy machine has held the simulator up; 0 on a real rig."""
+        return float(self.status()["held_s"]) if self.is_simulated else 0.0
 
     def torque_Nm(self, joint: str = "") -> float:
         """Returns the largest absolute torque of the motors, or of a joint's, N m."""
@@ -301,10 +307,13 @@ class Rig:
     def starved_by(self) -> str:
         """Returns how a busy machine has disturbed the runs of this rig; empty if it has not.
 
-        A run reports missed deadlines, a bus has SYNCs more than four periods apart, or the simulated nodes, which send
-        heartbeats each 0.1 s, were silent for longer than 0.15 s.
+        A run reports missed deadlines, the simulator was held up for more than four periods, a bus has SYNCs more than
+        four periods apart, or the simulated nodes, which send heartbeats each 0.1 s, were silent for longer than 0.15 s.
         """
         found = []
+        with contextlib.suppress(HilError, OSError):
+            if (held_s := self.held_s()) > 4 * self.scene.step_s:
+                found.append(f"the simulator was held up for {1e3 * held_s:.0f} ms")
         for run in self.runs:
             if not run.running and run.report_path.exists():
                 with contextlib.suppress(HilError, KeyError):
