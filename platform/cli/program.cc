@@ -99,6 +99,7 @@ void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code
   add_view(app, checks, code);
   add_bus_load(app, checks, code);
   add_monitor(app, checks, code);
+  add_import(app, code);
   add_faults(app, code);
   add_sdo(app, code);
   add_lss(app, code);
