@@ -1,5 +1,5 @@
 // Simulated devices of scenes. This folder and the command line's `simulate` are the only users of sim in
-// platform. It is a library of its own (godobject::simulated). fault_checks.cc: faults that can be played.
+// platform. It is a library of its own (godobject::simulated).
 #pragma once
 
 #include <memory>
