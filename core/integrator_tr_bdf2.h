@@ -55,9 +55,9 @@ struct TrBdf2 {
   enum class StepEnd : std::uint8_t {
     second_order,
     first_order,  // a stage, or both, were implicit Euler steps
-    // Retake the step as two implicit Euler stages, because a contact between bodies or a stop (19) became
-    // active or inactive. Other reasons: joints did not converge (39), net springs gained energy (46), or a
-    // body left the searched region.
+    // Retake the step as two implicit Euler stages. Reasons: the set of active contacts or stops (19)
+    // changed, joints did not converge (39), net springs gained energy (46), or a body left the searched
+    // region.
     unsolved
   };
 
@@ -91,9 +91,9 @@ struct TrBdf2 {
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const ContactChange change = change_of_active_contacts(x.contacts, w.contacts.memories.after());
-      if (smooth && change == ContactChange::between_bodies) return StepEnd::unsolved;
-      still_smooth = still_smooth && change == ContactChange::none;
+      const bool alike = have_same_active_contacts(x.contacts, w.contacts.memories.after());
+      if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
+      still_smooth = still_smooth && alike;
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
@@ -130,8 +130,7 @@ struct TrBdf2 {
     end_nodes(par, x, last.h, w);
     add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const auto& stage = w.contacts.memories;
-      if (smooth && change_of_active_contacts(stage.before(), stage.after()) == ContactChange::between_bodies)
+      if (ContactsOf<S>::between_bodies && smooth && !have_same_active_contacts(w.contacts.memories))
         return StepEnd::unsolved;
     }
     return still_smooth ? StepEnd::second_order : StepEnd::first_order;

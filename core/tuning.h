@@ -159,9 +159,8 @@ inline constexpr Real line_aim = 0.5;
 /// the next iteration continues a search that ends here. No sweep.
 inline constexpr Real max_scale = 2;
 
-/// Search for friction in islands whose bodies touch the world alone. Numbers of iterations by tangents (25),
-/// then by secants (24). Later iterations keep the impedance of friction, so that an unfinished search adds
-/// no energy. Tolerances are shares of the largest normal force.
+/// Numbers of iterations by tangents (25), then by secants (24). Later iterations keep the impedance of
+/// friction, so that an unfinished search adds no energy. Tolerances are shares of the largest normal force.
 struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
@@ -171,7 +170,7 @@ struct FrictionAgainstTheWorld {
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
   static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
 };
-/// Search for friction in islands with contacts between bodies, without tangents.
+/// Search for friction among bodies, without tangents.
 struct FrictionAmongBodies {
   static constexpr bool tangents = false;
   static constexpr int by_tangent = 0, by_secant = 5;

@@ -149,7 +149,7 @@ template <class Contacts, std::size_t N>
   const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
   GroupPlaces<Contacts, N> places(one.a, one.b, w.finder);
   const auto law = [&](const ContactLaw& of) noexcept {
-    return stage_law(of, m, h, w.stage.relaxation_time, on_world);
+    return stage_law<Contacts>(of, m, h, w.stage.relaxation_time, on_world);
   };
   const auto law_of_contact = [&](const NearContact& near) noexcept -> const ContactLaw& {
     return law_of(par, near);

@@ -13,6 +13,10 @@
 
 namespace godobject {
 
+template <class Contacts>
+using FrictionSearchOf =
+    std::conditional_t<Contacts::between_bodies, FrictionAmongBodies, FrictionAgainstTheWorld>;
+
 template <class FrictionSearch>
 constexpr Pass pass_of(int iteration) noexcept {
   if (iteration < FrictionSearch::by_tangent) return Pass::by_tangent;
@@ -22,8 +26,9 @@ constexpr Pass pass_of(int iteration) noexcept {
 
 /// Sums effective masses and impulses of an island's contacts in their current modes. all: include contacts
 /// whose mode has not changed. Returns true if an active pair is not coupled in the system.
-template <bool tangents, class Contacts, std::size_t N>
+template <class Contacts, std::size_t N>
 bool gather_contacts(Real h, bool all, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
+  constexpr bool tangents = FrictionSearchOf<Contacts>::tangents;
   const auto gather = [&](TouchingContacts& of) noexcept {
     bool changed = all || tangents;
     for (std::uint32_t p = of.first_pack; p < of.end_pack; ++p) changed = changed || w.packs[p].changed;
@@ -152,12 +157,12 @@ void store_unbalanced(const Island& island, BodyContactScratch<Contacts, N>& w) 
   });
 }
 
-/// Solves for the velocities of the bodies of an island, with the given search for friction. V_0: predicted
-/// velocities.
-template <class FrictionSearch, class System, class Contacts, std::size_t N>
+/// Solves for the velocities of the bodies of an island. V_0: predicted velocities.
+template <class System, class Contacts, std::size_t N>
 GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLimits& how, System& system,
                                     BodyContactScratch<Contacts, N>& w) noexcept {
   auto& x = w.x;
+  using FrictionSearch = std::conditional_t<System::is_coupled, FrictionOnNets, FrictionSearchOf<Contacts>>;
   ContactResidual most;
   each_pack(x.V_0, island, w,
             [](ContactPack& c, const auto& V) noexcept { predict<FrictionSearch::tangents>(c, V); });
@@ -166,8 +171,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
   int newton_iterations = 0, iterations = 0;
   bool done = false;
   for (; !done && newton_iterations < iteration_limit; ++newton_iterations) {
-    if (gather_contacts<FrictionSearch::tangents>(h, newton_iterations == 0, island, w))
-      begin_system(island, w);
+    if (gather_contacts(h, newton_iterations == 0, island, w)) begin_system(island, w);
     load_system(h, newton_iterations == 0, island, w);
     bool converged = true;
     if (!System::is_coupled && w.system.is_complete) {
@@ -224,15 +228,6 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
   w.report.iterations = std::max(w.report.iterations, iterations);
 }
 
-/// Solves an island without nets. The search for friction depends on its contacts alone, so that a body moves
-/// alike in every scene.
-template <class Contacts, std::size_t N>
-void solve_bodies(Real h, const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  if constexpr (Contacts::between_bodies)
-    if (island.has_pairs()) return solve_island<FrictionAmongBodies>(h, island, {}, w.system, w);
-  solve_island<FrictionAgainstTheWorld>(h, island, {}, w.system, w);
-}
-
 /// Solves for the velocities of all bodies in contact. V_0: predicted velocities. net: NetInput or None.
 template <class Contacts, std::size_t N, class... Net>
 void solve_contacts(const typename Contacts::Params& par, std::size_t num_bodies, Real h,
@@ -252,7 +247,7 @@ void solve_contacts(const typename Contacts::Params& par, std::size_t num_bodies
   for (std::size_t n = 0; n < w.graph.num_islands; ++n) {
     const Island& island = w.graph.islands[n];
     if constexpr (Contacts::jointed) shift_contacts(w.graph.joints.V_p, h, island, w);
-    if (!island.has_net) solve_bodies(h, island, w);
+    if (!island.has_net) solve_island(h, island, {}, w.system, w);
   }
   w.report.cover(stages_before);
   (solve_net(h, net, w), ...);

@@ -32,8 +32,6 @@ struct TouchingPair : TouchingContacts {
 struct Island {
   std::uint32_t first_body = 0, end_body = 0, first_pair = 0, end_pair = 0;
   bool has_terms = false, has_net = false;
-
-  bool has_pairs() const noexcept { return first_pair != end_pair; }
 };
 
 /// Graph of bodies in contact, undefined between steps.

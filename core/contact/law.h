@@ -96,12 +96,13 @@ struct StageLawOf {
 /// Returns the law of contacts in a stage of length h.
 /// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s.
 /// on_world: the contact is with the world; its e may then be below the depth by any amount.
-inline StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
-                                  bool on_world) noexcept {
+template <class Contacts>
+StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
+                           bool on_world) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real eta_t = h * law.k_t + law.c_t, per_eta_t = law.k_t > 0 ? 1 / eta_t : 0,
-             stored = max_stored_penetration(law, m), most = max_relaxation * stored,
-             decrease = std::min(relaxation_time * law.push_out, most);
+             by = relaxation_time * law.push_out, stored = max_stored_penetration(law, m),
+             most = max_relaxation * stored;
   return {.k = law.k,
           .eta_n = h * law.k + law.c,
           .eta_n_h = law.k + law.c / h,
@@ -110,8 +111,8 @@ inline StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real re
           .mu = law.mu,
           .kept = law.c_t * per_eta_t,
           .given = h * per_eta_t,
-          .max_decrease = decrease,
-          .max_lag = on_world ? infinity : std::min(max_pushed_steps * decrease, most),
+          .max_decrease = Contacts::between_bodies ? std::min(by, most) : by,
+          .max_lag = on_world ? infinity : std::min(max_pushed_steps * by, most),
           .max_stored_penetration = stored};
 }
 

@@ -22,9 +22,6 @@ struct ContactMemory {
   Column slip_dot_W;     // rate at which the contact point slips, m/s
 };
 
-/// Number of the world in the place of the second body of a key.
-inline constexpr std::uint64_t number_of_world = 0xffff;
-
 /// Memories in the order of the keys.
 template <std::size_t max_contacts>
 struct ContactMemories {
@@ -59,42 +56,18 @@ class Recall {
   std::size_t at_ = 0;
 };
 
-/// True if a key is of a contact with the world; others are between bodies.
-inline bool is_on_world(std::uint64_t key) noexcept {
-  return (key >> 32 & number_of_world) == number_of_world;
-}
-
-/// Change of the set of active contacts.
-enum class ContactChange : std::uint8_t { none, with_the_world, between_bodies };
-
-/// Returns the change of the set of active contacts from a to b; between_bodies if some of them are.
-template <std::size_t max_contacts>
-ContactChange change_of_active_contacts(const ContactMemories<max_contacts>& a,
-                                        const ContactMemories<max_contacts>& b) noexcept {
-  const auto next_active = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
-    while (i < m.size && m.list[i].F_n == 0) ++i;
-    return i;
-  };
-  ContactChange change = ContactChange::none;
-  std::size_t i = next_active(a, 0), j = next_active(b, 0);
-  while (i < a.size || j < b.size) {
-    const bool in_a = j == b.size || (i < a.size && a.list[i].key <= b.list[j].key),
-               in_b = i == a.size || (j < b.size && b.list[j].key <= a.list[i].key);
-    if (in_a != in_b) {
-      if (!is_on_world(in_a ? a.list[i].key : b.list[j].key)) return ContactChange::between_bodies;
-      change = ContactChange::with_the_world;
-    }
-    if (in_a) i = next_active(a, i + 1);
-    if (in_b) j = next_active(b, j + 1);
-  }
-  return change;
-}
-
 /// True if both have the same active contacts.
 template <std::size_t max_contacts>
 bool have_same_active_contacts(const ContactMemories<max_contacts>& a,
                                const ContactMemories<max_contacts>& b) noexcept {
-  return change_of_active_contacts(a, b) == ContactChange::none;
+  const auto next_active = [](const ContactMemories<max_contacts>& m, std::size_t i) noexcept {
+    while (i < m.size && m.list[i].F_n == 0) ++i;
+    return i;
+  };
+  std::size_t i = next_active(a, 0), j = next_active(b, 0);
+  for (; i < a.size && j < b.size && a.list[i].key == b.list[j].key; i = next_active(a, i + 1))
+    j = next_active(b, j + 1);
+  return i == a.size && j == b.size;
 }
 
 /// Contact memories in a stage: at the end of the previous stage, and at its own end. num: lists, three with

@@ -5,8 +5,8 @@
 //
 // A contact is thus an effective mass h (eta_t 1 + (eta_n - eta_t) n n^T) at its point, and enters its body's
 // A and b like a mass. Its mode, active or not and eta_t, is found by Newton iterations on the active set.
-// Each iteration starts with the modes of the previous one. In islands whose bodies touch the world alone,
-// the first iterations linearise a slipping contact by its tangent,
+// Each iteration starts with the modes of the previous one. Against the world, the first iterations linearise
+// a slipping contact by its tangent,
 //
 //   (25)  F_t = -mu F_n s^/|s^| - eta_t (1 - s^ s^T / |s|^2) s
 //

@@ -133,9 +133,9 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
           r[j].setZero();
           v_W[j] = (of.v[one.a] - at_face(on, of.v)).vec();
           if (j >= near.size) continue;
-          laws[j] = stage_law(law_of<Contacts, typename Contacts::Net>(par, net.par, one),
-                              std::min(net.par.nodes[one.a].m, mass_at_face(on, of)), h,
-                              w.stage.relaxation_time, false);
+          laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one),
+                                        std::min(net.par.nodes[one.a].m, mass_at_face(on, of)), h,
+                                        w.stage.relaxation_time, false);
           of.carrier[i] = net.par.nodes[one.a].body;
           if (on.carrier != world && on.carrier != of.carrier[i])
             find_pair(static_cast<std::uint32_t>(of.carrier[i]), static_cast<std::uint32_t>(on.carrier), of);
@@ -148,8 +148,8 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       if (j >= near.size) continue;
       Real m = net.par.nodes[one.a].m;
       if (!on_world) m = std::min(m, w.stages[one.b].M);
-      laws[j] = stage_law(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, h,
-                          w.stage.relaxation_time, on_world);
+      laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, h,
+                                    w.stage.relaxation_time, on_world);
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
     }

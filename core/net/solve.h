@@ -54,11 +54,10 @@ void solve_linearised_net(Real h, const NetInput<typename Contacts::Net>& in,
                          .tolerance = in.par.tolerated_change(h)};
   const auto solve = [&]() noexcept {
     for (std::size_t n = 0; n < w.graph.num_islands; ++n)
-      if (w.graph.islands[n].has_net)
-        return solve_island<FrictionOnNets>(h, w.graph.islands[n], how, system, w);
+      if (w.graph.islands[n].has_net) return solve_island(h, w.graph.islands[n], how, system, w);
     Island alone;  // no body carries or touches the nodes
     alone.has_net = true;
-    solve_island<FrictionOnNets>(h, alone, how, system, w);
+    solve_island(h, alone, how, system, w);
   };
   solve();
   to_world_frame(w.net, w.x.V);

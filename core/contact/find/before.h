@@ -8,7 +8,9 @@ namespace godobject {
 
 /// Returns the key of a contact between bodies, or of a body and the world: the pair, the surface, and the
 /// touching sphere. Keys of a pair are consecutive.
-inline std::uint64_t pair_key(std::uint64_t a, std::uint64_t b) noexcept { return a << 48 | b << 32; }
+inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) noexcept {
+  return std::uint64_t(a) << 48 | std::uint64_t(b) << 32;
+}
 inline std::uint64_t touch_key(std::uint32_t sphere, std::uint32_t touched) noexcept {
   return std::uint64_t(touched) << 15 | sphere;
 }

@@ -220,7 +220,7 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
         else find_on_spheres(w, a, b, pair, near);
       });
     if (num_fixed == 0) continue;
-    const std::uint64_t pair = pair_key(a, number_of_world);
+    const std::uint64_t pair = pair_key(a, 0xffff);
     const auto& on_a = w.owned[a];
     find_on_surfaces(w, a, std::uint32_t{N}, pair, 0, num_fixed, nullptr, near);
     if (!on_a.has_surfaces()) continue;

@@ -13,8 +13,7 @@ struct ContactFinder {
   static constexpr std::size_t max_spheres = std::tuple_size_v<decltype(Contacts::Params::spheres)>;
   static constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
   // limits of the numbers in the keys of contacts (core/contact/find/before.h)
-  static_assert(max_spheres + max_points * max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 &&
-                N < number_of_world);
+  static_assert(max_spheres + max_points * max_surfaces <= 1 << 15 && max_surfaces <= 1 << 11 && N < 0xffff);
   struct Owned {
     std::uint32_t first_sphere = 0, end_sphere = 0, first_pack = 0, first_surface = 0, end_surface = 0;
     std::uint32_t tree = 0;  // tree of joints whose bodies do not touch each other

@@ -56,7 +56,8 @@ struct StageLawOf {
   T max_decrease = 0;            // m (35)
   T max_stored_penetration = 0;  // m (35)
 };
-inline StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real, Real relaxation_time, bool) noexcept {
+template <class Contacts>
+StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real, Real relaxation_time, bool) noexcept {
   return {.k = law.k,
           .alpha = law.alpha,
           .max_decrease = relaxation_time * law.push_out,
