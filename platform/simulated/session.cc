@@ -2,18 +2,11 @@
 
 #include <cmath>
 
-#include "sim/fault/target.h"
 #include "sim/rig/link.h"
 #include "sim/tracker/link.h"
 
 namespace godobject {
 namespace {
-
-std::vector<std::string> fault_verb_names() {
-  std::vector<std::string> names;
-  for (const FaultVerbText& text : fault_verb_texts()) names.emplace_back(text.name);
-  return names;
-}
 
 class MotionHand final : public Hand {
  public:
@@ -212,13 +205,6 @@ std::vector<double> SimulatedTruth::bus_load_percent() const {
     for (std::size_t i = 0; i < link_->rig().host_buses().size(); ++i)
       loads.push_back(link_->load_percent(i));
   return loads;
-}
-
-FaultChecks simulated_faults() { return {.verbs = fault_verb_names, .why_not_playable = why_not_playable}; }
-
-std::string why_not_playable(const FaultConfig& fault, const DeviceConfig& device) {
-  if (!fault.tracker.empty()) return resolve(fault, device.trackers).error;
-  return resolve(fault, *device.rig).error;
 }
 
 }  // namespace godobject
