@@ -1,4 +1,4 @@
-// Clock of the simulated hardware: wall time, but it stands still while the simulating program is held up.
+// Clock of the simulated hardware: wall time, without the time for which the simulating program is held up.
 // Hardware is never held up. A simulated drive that missed time with its program would find its deadline
 // passed before it has read the frames that arrived meanwhile.
 #pragma once
@@ -11,19 +11,22 @@ namespace godobject {
 
 class HeldClock {
  public:
-  /// Wake-ups later than this are holds.
-  static constexpr Nanoseconds tolerance_ns = 1'000'000;
+  /// Longest lateness that the simulation makes up for; only the rest is lost. It is below the deadlines of
+  /// drives, and long enough for wires to keep their speed on a busy machine.
+  static constexpr Nanoseconds made_up_ns = 5'000'000;
 
-  /// Returns the simulated time at `wall`, the time since the start.
-  /// due: simulated time at which the program had to go on; it does so earlier if frames arrive.
-  Nanoseconds advance(Nanoseconds wall, Nanoseconds due) noexcept {
-    const Nanoseconds late_ns = wall - held_ns_ - std::max(due, now_ns_);
-    if (late_ns > tolerance_ns) held_ns_ += late_ns;
-    now_ns_ = wall - held_ns_;
+  /// Returns the simulated time at `wall_ns`, the time since the start.
+  /// due_ns: simulated time at which the program had to go on; it does so earlier if frames arrive.
+  Nanoseconds advance(Nanoseconds wall_ns, Nanoseconds due_ns) noexcept {
+    const Nanoseconds late_ns = wall_ns - held_ns_ - std::max(due_ns, now_ns_);
+    held_ns_ += std::max<Nanoseconds>(0, late_ns - made_up_ns);
+    now_ns_ = wall_ns - held_ns_;
     return now_ns_;
   }
+  /// Returns the latest simulated time.
+  Nanoseconds now() const noexcept { return now_ns_; }
   /// Returns the wall time, since the start, of a simulated time that is not over yet.
-  Nanoseconds wall(Nanoseconds simulated) const noexcept { return simulated + held_ns_; }
+  Nanoseconds wall(Nanoseconds simulated_ns) const noexcept { return simulated_ns + held_ns_; }
   /// Returns the total time of all holds.
   Nanoseconds held() const noexcept { return held_ns_; }
 

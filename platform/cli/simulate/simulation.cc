@@ -106,13 +106,11 @@ Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, con
 void Simulation::step(Nanoseconds wall_ns) noexcept {
   const Nanoseconds now = clock_.advance(wall_ns, next_event());
   if (rig_) run_rig(now);
-  now_ns_ = now;
   if (tools_) run_trackers();
 }
 
 void Simulation::run_rig(Nanoseconds now) noexcept {
   rig_->run_wires(now);
-  now_ns_ = now;
   take_frames();
   const bool alone = now - t_sync_ns_ >= periods_without_sync * period_ns_;
   if (alone && now - t_plant_ns_ >= period_ns_) run_plant();
@@ -122,10 +120,10 @@ void Simulation::run_rig(Nanoseconds now) noexcept {
 }
 
 void Simulation::run_trackers() noexcept {
-  tools_->run(now_ns_, motion_time());
+  tools_->run(now(), motion_time());
   for (const std::unique_ptr<TrackerLine>& tracker : trackers_) {
-    tracker->step(now_ns_);
-    if (!rig_ && !t_motion_ns_ && tracker->num_received() > 0) t_motion_ns_ = now_ns_;
+    tracker->step(now());
+    if (!rig_ && !t_motion_ns_ && tracker->num_received() > 0) t_motion_ns_ = now();
   }
 }
 
@@ -144,7 +142,7 @@ std::string Simulation::play(const FaultConfig& config) {
 }
 
 void Simulation::clear_faults() noexcept {
-  if (rig_) rig_->faults().clear(now_ns_);
+  if (rig_) rig_->faults().clear(now());
   if (tools_) tools_->clear();
 }
 
@@ -164,20 +162,20 @@ void Simulation::watch_commands(std::size_t bus, const CanFrame& frame) noexcept
   const std::uint8_t node = bus_protocol(protocol_of_bus(params_, bus)).commanded(frame);
   for (std::size_t i = 0; i < motors_.size(); ++i)
     if (params_.drives[i].bus == bus && params_.drives[i].node_id == node)
-      motors_[i].t_commanded_s = seconds(now_ns_);
+      motors_[i].t_commanded_s = seconds(now());
 }
 
 // Positions are those at the time of the SYNC. The SYNC of the next bus follows at once and changes nothing.
 void Simulation::on_sync() noexcept {
   ++syncs_;
-  t_sync_ns_ = now_ns_;
-  if (!t_motion_ns_) t_motion_ns_ = now_ns_;
-  if (2 * (now_ns_ - t_plant_ns_) >= period_ns_) run_plant();
+  t_sync_ns_ = now();
+  if (!t_motion_ns_) t_motion_ns_ = now();
+  if (2 * (now() - t_plant_ns_) >= period_ns_) run_plant();
 }
 
 void Simulation::run_plant() noexcept {
-  rig_->run_plant(now_ns_, motion_time());
-  t_plant_ns_ = now_ns_;
+  rig_->run_plant(now(), motion_time());
+  t_plant_ns_ = now();
 }
 
 void Simulation::watch_motors() noexcept {
@@ -186,22 +184,20 @@ void Simulation::watch_motors() noexcept {
     const bool had_torque = motor.torque_Nm != 0;
     motor.torque_Nm = rig_->applied_torque_Nm(i);
     motor.max_torque_Nm = std::max(motor.max_torque_Nm, std::abs(motor.torque_Nm));
-    if (motor.torque_Nm != 0 || had_torque) motor.t_nonzero_s = seconds(now_ns_);
+    if (motor.torque_Nm != 0 || had_torque) motor.t_nonzero_s = seconds(now());
   }
 }
 
 Nanoseconds Simulation::next_event() const noexcept {
-  const Nanoseconds t_latest_ns = now_ns_ + longest_step_ns;
+  const Nanoseconds t_latest_ns = now() + longest_step_ns;
   if (!rig_) return t_latest_ns;
-  const bool alone = now_ns_ - t_sync_ns_ >= periods_without_sync * period_ns_;
+  const bool alone = now() - t_sync_ns_ >= periods_without_sync * period_ns_;
   const Nanoseconds t_plant_ns =
       alone ? t_plant_ns_ + period_ns_ : t_sync_ns_ + periods_without_sync * period_ns_;
   return std::min({t_plant_ns, rig_->next_event().value_or(t_plant_ns), t_latest_ns});
 }
 
-double Simulation::motion_time() const noexcept {
-  return t_motion_ns_ ? seconds(now_ns_ - *t_motion_ns_) : 0;
-}
+double Simulation::motion_time() const noexcept { return t_motion_ns_ ? seconds(now() - *t_motion_ns_) : 0; }
 
 std::vector<int> Simulation::descriptors() const {
   std::vector<int> out;
@@ -212,7 +208,7 @@ std::vector<int> Simulation::descriptors() const {
 
 nlohmann::ordered_json Simulation::to_json() const {
   using json = nlohmann::ordered_json;
-  json out{{"t_s", seconds(now_ns_)},
+  json out{{"t_s", seconds(now())},
            {"held_s", seconds(clock_.held())},
            {"motion_s", motion_time()},
            {"syncs", syncs_},

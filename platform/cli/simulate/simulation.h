@@ -134,7 +134,7 @@ class Simulation {
   /// Plays a fault from the next step on. Returns why this failed; empty on success. Allocates.
   std::string play(const FaultConfig& config);
   void clear_faults() noexcept;
-  Nanoseconds now() const noexcept { return now_ns_; }
+  Nanoseconds now() const noexcept { return clock_.now(); }
   double motion_time() const noexcept;
   /// Returns the state for `status` and the report.
   nlohmann::ordered_json to_json() const;
@@ -161,7 +161,6 @@ class Simulation {
   std::vector<std::unique_ptr<TrackerLine>> trackers_;
   std::optional<SimTrackers> tools_;  // tools of the trackers
   HeldClock clock_;
-  Nanoseconds now_ns_ = 0;
   Nanoseconds t_plant_ns_ = 0;              // end of the simulated mechanics
   Nanoseconds t_sync_ns_ = 0;               // time of the latest SYNC
   std::optional<Nanoseconds> t_motion_ns_;  // start of the motion
