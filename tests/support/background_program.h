@@ -39,6 +39,7 @@ class BackgroundProgram {
   }
   ~BackgroundProgram() {
     if (pid_ > 0) kill(pid_, SIGTERM);
+    if (pid_ > 0) kill(pid_, SIGCONT);  // a stopped program does not end before
     if (pid_ > 0) waitpid(pid_, nullptr, 0);
     if (in_) std::fclose(in_);
     if (out_) std::fclose(out_);
