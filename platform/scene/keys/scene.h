@@ -106,7 +106,7 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   visit_name(v, "name, in columns of traces and motions", b.name);
   visit_like(v, bodies, b);
   const bool own = !v.has("like");
-  v.value(Key{"mass", "kg", "", {1e-12, 1e9}, own}, b.mass);
+  v.value(Key{"mass", "kg", "", mass_of_body, own}, b.mass);
   v.inertia(Key{"inertia", "kg m^2", "about the centre of mass, body axes", any_number, own}, b.inertia);
   visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
   v.value(Key{"velocity", "m/s", "at t = 0"}, b.V_WB.v);

@@ -39,6 +39,7 @@ inline constexpr Range any_number{};
 inline constexpr Range not_negative{0};
 inline constexpr Range positive{.min = 0, .min_open = true};
 inline constexpr Range probability{0, 1};
+inline constexpr Range mass_of_body{1e-12, 1e9};  // kg
 
 struct Key {
   std::string_view name;

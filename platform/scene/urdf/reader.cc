@@ -168,9 +168,9 @@ class UrdfReader {
     if (mass == nullptr || inertia == nullptr) return;
     const Pose X = origin(e, owner);
     UrdfInertial read{.mass = number(*mass, "value", owner), .p_L = X.p, .I_L = {}};
-    if (!(read.mass >= min_mass && read.mass <= max_mass))
+    if (!mass_of_body.contains(read.mass))
       error(*mass, owner + " has a mass of " + shortest_plain(read.mass) + " kg: give " +
-                       shortest_plain(min_mass) + " to " + shortest_plain(max_mass) +
+                       shortest_plain(mass_of_body.min) + " to " + shortest_plain(mass_of_body.max) +
                        " kg, or remove <inertial> if the link is fixed to another");
     Mat3 I;
     I(0, 0) = number(*inertia, "ixx", owner);
@@ -290,8 +290,6 @@ class UrdfReader {
                      {"dynamics", "calibration", "safety_controller"});
     robot_.joints.push_back(joint);
   }
-
-  static constexpr double min_mass = 1e-12, max_mass = 1e9;  // kg, as of scenes
 
   Diagnostics& log_;
   UrdfRobot robot_;
