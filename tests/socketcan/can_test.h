@@ -1,5 +1,6 @@
 // Shared parts of the tests on a real CAN stack. They change interfaces, so they run only if
-// tests/vm/can_interfaces has set up interfaces for them, and are skipped elsewhere.
+// tests/vm/can_interfaces has set up interfaces for them, and are skipped elsewhere. An emulated guest that is
+// held up by its host may be late by a second, so that every wait is for an event, with a long limit.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ inline std::string run(const std::string& command) {
 inline void pause_ms(int ms) { poll(nullptr, 0, ms); }
 
 /// Returns the next frame, or none after the timeout.
-inline std::optional<ReceivedFrame> receive(LinuxBus& bus, int timeout_ms = 1000) {
+inline std::optional<ReceivedFrame> receive(LinuxBus& bus, int timeout_ms = 10'000) {
   ReceivedFrame out;
   if (bus.try_receive(out)) return out;
   const Nanoseconds end = MonotonicClock{}.now() + Nanoseconds{timeout_ms} * 1'000'000;
@@ -46,7 +47,7 @@ inline std::optional<ReceivedFrame> receive(LinuxBus& bus, int timeout_ms = 1000
 }
 
 /// Reads until no frame has come for this time; returns the number of frames.
-inline std::size_t drain(LinuxBus& bus, int quiet_ms = 50) {
+inline std::size_t drain(LinuxBus& bus, int quiet_ms = 300) {
   std::size_t frames = 0;
   while (receive(bus, quiet_ms)) ++frames;
   return frames;
@@ -54,7 +55,7 @@ inline std::size_t drain(LinuxBus& bus, int quiet_ms = 50) {
 
 /// Returns true once `holds`, evaluated between reads of the bus; false after the timeout.
 template <class Condition>
-bool becomes_true(LinuxBus& bus, Condition&& holds, int timeout_ms = 2000) {
+bool becomes_true(LinuxBus& bus, Condition&& holds, int timeout_ms = 10'000) {
   for (int waited = 0; waited < timeout_ms; waited += 5) {
     ReceivedFrame ignored;
     while (bus.try_receive(ignored)) continue;

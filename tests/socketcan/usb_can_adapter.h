@@ -52,10 +52,10 @@ class UsbCanAdapter {
   UsbCanAdapter(const UsbCanAdapter&) = delete;
   UsbCanAdapter& operator=(const UsbCanAdapter&) = delete;
 
-  /// Name of the network interface; empty if the driver has made none within 2 s.
+  /// Returns the name of the network interface; empty if the driver has made none within 20 s.
   std::string interface() const {
     namespace fs = std::filesystem;
-    for (int waited_ms = 0; waited_ms < 2000; waited_ms += 10, pause_ms(10)) {
+    for (int waited_ms = 0; waited_ms < 20'000; waited_ms += 10, pause_ms(10)) {
       std::error_code none;
       for (const fs::directory_entry& device : fs::directory_iterator("/sys/bus/usb/drivers/esd_usb", none))
         for (const fs::directory_entry& net : fs::directory_iterator(device.path() / "net", none))
