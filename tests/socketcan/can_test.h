@@ -1,6 +1,6 @@
 // Shared parts of the tests on a real CAN stack. They change interfaces, so they run only if
-// tests/vm/can_interfaces has set up interfaces for them, and are skipped elsewhere. An emulated guest that is
-// held up by its host may be late by a second, so that every wait is for an event, with a long limit.
+// tests/vm/can_interfaces has set up interfaces for them, and are skipped elsewhere.
+// An emulated guest may be held up by its host, so each wait is for an event and has a long limit.
 #pragma once
 
 #include <gtest/gtest.h>
