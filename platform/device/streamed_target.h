@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "core/math/rotation_error.h"
+#include "core/math/so3.h"
 #include "hal/tracker/pose_track.h"
 #include "platform/motion/motion.h"
 #include "platform/rt/ring.h"
@@ -63,8 +65,48 @@ class StreamedTarget {
 };
 
 /// Returns a, shortened to the length `most` if longer.
-Vec3 limited(const Vec3& a, double most) noexcept;
+inline Vec3 limited(const Vec3& a, double most) noexcept {
+  const double length = a.norm();
+  return length > most ? Vec3(a * (most / length)) : a;
+}
+
 /// Returns the pose X displaced by dp_W, m, and rotated about its own origin by dphi_W, rad, in world axes.
-Pose moved_by(const Pose& X, const Vec3& dp_W, const Vec3& dphi_W) noexcept;
+inline Pose moved_by(const Pose& X, const Vec3& dp_W, const Vec3& dphi_W) noexcept {
+  return {.p = X.p + dp_W, .q = renormalized(exp_so3(dphi_W) * X.q)};
+}
+
+inline StreamedTarget::StreamedTarget(const StreamedSample& start, const StreamLimits& limits)
+    : limits_(limits),
+      heard_(start),
+      before_(start),
+      track_(limits.stale_after),
+      shown_{.X_WD = start.X_WD, .V_WD = {}} {}
+
+inline void StreamedTarget::play(Nanoseconds now, double step) noexcept {
+  before_ = heard_;
+  for (StreamedSample sample; samples_.try_pop(sample); heard_ = sample) {
+    if (sample.path != heard_.path) {
+      track_ = PoseTrack(limits_.stale_after);
+      shown_ = {.X_WD = sample.X_WD, .V_WD = {}};
+    }
+    track_.push(sample.X_WD, sample.t, now);
+  }
+  const PoseTrack::Played played = track_.at(now);
+  follow(played, step);
+  using State = StreamedSample::State;
+  valid_ = heard_.state == State::rests || (heard_.state == State::leads && played.valid);
+}
+
+/// Moves the displayed target towards the played one, within the limits. At rest if none is played.
+inline void StreamedTarget::follow(const PoseTrack::Played& played, double step) noexcept {
+  shown_.V_WD = {};
+  if (!played.valid) return;
+  Pose& X = shown_.X_WD;
+  const RotationError turn = rotation_error(X.q, played.target.X_WD.q, Vec3::Zero());
+  const Vec3 dp_W = limited(played.target.X_WD.p - X.p, step * limits_.speed);
+  const Vec3 dphi_W = limited(to_world(X.q, turn.phi_B), step * limits_.turn_rate);
+  X = moved_by(X, dp_W, dphi_W);
+  shown_.V_WD = {.w = dphi_W / step, .v = dp_W / step};
+}
 
 }  // namespace godobject

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 
-#include "platform/engine/row.h"
 #include "platform/scene/contact/params.h"
 
 namespace godobject {

@@ -12,6 +12,7 @@
 #include "core/gain_watch.h"
 #include "core/joint/prescribed.h"
 #include "core/net/net.h"
+#include "core/validity.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/net/params.h"
 #include "platform/scene/scene.h"
@@ -117,6 +118,18 @@ class Engine {
   virtual double net_stretch() const noexcept = 0;
   virtual std::uint64_t state_hash() const noexcept = 0;
 };
+
+/// One row of the table of compositions.
+struct CompositionRow {
+  Composition composition;
+  std::unique_ptr<Engine> (*make)(const SceneConfig&, std::span<const BodySample>, const Composition&,
+                                  Validity&);
+};
+
+// One file each, and one line in engine.cc.
+void add_free(std::vector<CompositionRow>& table);
+void add_contacts(std::vector<CompositionRow>& table);
+void add_many(std::vector<CompositionRow>& table);
 
 /// Returns every composition compiled into this program, smallest first.
 std::vector<Composition> compositions();

@@ -2,8 +2,8 @@
 // contacts and the number of bodies.
 #pragma once
 
+#include "platform/engine/engine.h"
 #include "platform/engine/of.h"
-#include "platform/engine/row.h"
 
 namespace godobject {
 

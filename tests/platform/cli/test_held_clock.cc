@@ -1,7 +1,7 @@
 // HeldClock: simulated time stands still while the program is held up, and is wall time otherwise.
 #include <gtest/gtest.h>
 
-#include "platform/cli/simulate/held_clock.h"
+#include "platform/cli/simulate/simulation.h"
 
 namespace godobject::test::test_held_clock {
 namespace {
