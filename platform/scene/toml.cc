@@ -6,7 +6,6 @@
 
 #include "hal/rig/profile_validate.h"
 #include "platform/scene/contact/params.h"
-#include "platform/scene/keys/fault.h"
 #include "platform/scene/keys/profile.h"
 #include "platform/scene/keys/scene.h"
 #include "platform/scene/text/csv.h"

@@ -72,6 +72,13 @@ Json to_json(const SpaceMouseLine& mouse) {
           {"connections", c.connections}};
 }
 
+Json to_json(const SocketDeviceLine& device) {
+  const SocketDeviceCounters& c = device.counters;
+  return {{"socket", device.socket},  {"connected", c.connected}, {"samples", c.samples},
+          {"malformed", c.malformed}, {"late", c.late},           {"connections", c.connections},
+          {"refused", c.refused},     {"wrenches", c.wrenches},   {"not_sent", c.not_sent}};
+}
+
 Json to_json(const TrackerReportLine& tracker) {
   const TrackerCounters& c = tracker.report.counters;
   Json json{{"name", tracker.params.name},
@@ -282,6 +289,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["bus"] = to_array(report.buses);
   json["trackers"] = to_array(report.trackers);
   if (report.spacemouse) json["spacemouse"] = to_json(*report.spacemouse);
+  if (report.socket_device) json["device_program"] = to_json(*report.socket_device);
   if (report.link_timing) {
     json["added_latency_us"] = to_json(report.link_timing->added_latency_ns);
     json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);

@@ -171,6 +171,8 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
                    .faults = {}};
   if (const SpaceMouseThread* const mouse = run.spacemouse_thread.get())
     report.spacemouse = {.socket = mouse->socket(), .counters = mouse->counters()};
+  if (const SocketDevice* const device = run.socket_device.get())
+    report.socket_device = {.socket = device->path(), .counters = device->counters()};
   if (const Rig* rig = session.rig()) {
     const RigParams& params = *session.scene().device->rig;
     report.buses = bus_reports(run);

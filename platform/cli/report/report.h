@@ -42,6 +42,12 @@ struct SpaceMouseLine {
   SpaceMouseCounters counters;
 };
 
+/// State of a program that is the device at the end of a run.
+struct SocketDeviceLine {
+  std::string socket;
+  SocketDeviceCounters counters;
+};
+
 struct RunReport {
   const RunOptions& options;
   const Session& session;
@@ -50,6 +56,7 @@ struct RunReport {
   std::vector<BusReport> buses;
   std::vector<TrackerReportLine> trackers;
   std::optional<SpaceMouseLine> spacemouse{};
+  std::optional<SocketDeviceLine> socket_device{};
   std::vector<FaultReport> faults;
   std::optional<Nanoseconds> wall_origin_ns{};  // real buses only: time of day minus time of their clock
 };

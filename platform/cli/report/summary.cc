@@ -102,6 +102,15 @@ void print_spacemouse(std::FILE* out, const SpaceMouseLine& mouse) {
                c.connections);
 }
 
+void print_socket_device(std::FILE* out, const SocketDeviceLine& device) {
+  const SocketDeviceCounters& c = device.counters;
+  std::fprintf(out,
+               "  %-26s %s: %s, %" PRIu64 " samples, %" PRIu64 " malformed, %" PRIu64 " late; %" PRIu64
+               " wrenches sent, %" PRIu64 " not; connected %" PRIu64 " times\n",
+               "device's program", device.socket.c_str(), c.connected ? "there" : "GONE", c.samples,
+               c.malformed, c.late, c.wrenches, c.not_sent, c.connections);
+}
+
 void print_recoveries(std::FILE* out, const RunReport& report) {
   for (const Recovery& recovery : report.result.recoveries)
     if (!recovery.recovered_after_s)
@@ -157,6 +166,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
   for (const BusReport& bus : report.buses) print_bus(out, bus);
   for (const TrackerReportLine& tracker : report.trackers) print_tracker(out, tracker);
   if (report.spacemouse) print_spacemouse(out, *report.spacemouse);
+  if (report.socket_device) print_socket_device(out, *report.socket_device);
   if (report.session.rig()) {
     const RigCounters counters = report.session.rig_counters();
     std::fprintf(out, "  %-26s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",

@@ -145,6 +145,26 @@ void check_spacemouse(const RunOptions& options, const SceneConfig& scene, Prepa
     run.errors.push_back("--spacemouse: excludes --view-input, since both move the tool: remove either");
 }
 
+void check_socket_device(const RunOptions& options, const SceneConfig& scene,
+                         std::vector<std::string>& errors) {
+  if (options.device.empty()) return;
+  const std::string of_scene = "--device: scene '" + scene.name + "' ";
+  if (!scene.device) errors.push_back(of_scene + "has no [device]: add one (docs/scenes.md)");
+  else if (scene.device->kind == DeviceKind::admittance)
+    errors.push_back(of_scene + "has an admittance device, and the program sends poses: give another kind");
+  if (driven_bodies(scene).empty()) errors.push_back(of_scene + "has no coupled body: add a [body.coupling]");
+  const std::pair<bool, const char*> others[] = {{options.fast, "--fast"},
+                                                 {!options.motion.empty(), "--motion"},
+                                                 {!options.buses.empty(), "--bus"},
+                                                 {!options.trackers.empty(), "--tracker"},
+                                                 {options.spacemouse.has_value(), "--spacemouse"},
+                                                 {options.view_input, "--view-input"}};
+  for (const auto& [given, name] : others)
+    if (given)
+      errors.push_back(std::string("--device: excludes ") + name +
+                       ", since the program moves the tool in wall time: remove either");
+}
+
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run) {
   if (!run.spacemouse) return "";
   constexpr std::size_t console_bytes = 1 << 12;

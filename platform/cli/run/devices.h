@@ -48,6 +48,10 @@ std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<Tra
 /// the run.
 void check_spacemouse(const RunOptions& options, const SceneConfig& scene, PreparedRun& run);
 
+/// Checks that a program can be the device of the scene, and that no other option moves the tool.
+void check_socket_device(const RunOptions& options, const SceneConfig& scene,
+                         std::vector<std::string>& errors);
+
 /// Connects the SpaceMouse of the run, if any, to its daemon and starts a thread. Returns why this failed;
 /// empty on success.
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run);

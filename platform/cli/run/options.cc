@@ -138,7 +138,7 @@ void check_bus_loads(const RunOptions& options, const SceneConfig& scene, const 
   }
 }
 
-/// Adds the pointer of the page or the SpaceMouse, as the options demand.
+/// Adds the pointer of the page, the SpaceMouse or the program that is the device, as the options demand.
 void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
   const SceneConfig& scene = session.scene();
   const auto now = []() noexcept { return MonotonicClock{}.now(); };
@@ -149,9 +149,13 @@ void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
     run.pointer = std::make_unique<PointerDevice>(scene, now);
     session.add(*run.pointer);
   }
-  if (!options.spacemouse) return;
-  run.spacemouse = std::make_unique<SpaceMouse>(scene, now);
-  session.add(*run.spacemouse);
+  if (options.spacemouse) {
+    run.spacemouse = std::make_unique<SpaceMouse>(scene, now);
+    session.add(*run.spacemouse);
+  }
+  if (options.device.empty()) return;
+  run.socket_device = std::make_unique<SocketDevice>(scene, now);
+  session.add(*run.socket_device);
 }
 
 /// Computes passivity at the start of the motion, if the rig is valid.
@@ -179,9 +183,11 @@ PreparedRun prepare(const RunOptions& options) {
   if (has_rig(scene)) of_file.loads = loads_of(scene);
   check_view(options, run.errors);
   check_spacemouse(options, scene, run);
+  check_socket_device(options, scene, run.errors);
   if (options.view_input) lead_by_pointer(scene);
   if (options.spacemouse && run.errors.empty()) lead_by_spacemouse(scene);
-  if (options.view_input) run.buses.choice = BusChoice::direct;
+  if (!options.device.empty()) scene.motion.reset();
+  if (options.view_input || !options.device.empty()) run.buses.choice = BusChoice::direct;
   else run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
@@ -192,7 +198,7 @@ PreparedRun prepare(const RunOptions& options) {
   if (!motion || !run.errors.empty()) return run;
 
   constexpr double until_stopped = 1e6;  // s
-  const bool moved_by_hand = options.view_input || options.spacemouse;
+  const bool moved_by_hand = options.view_input || options.spacemouse || !options.device.empty();
   const double of_scene = moved_by_hand ? until_stopped : motion->end().value_or(scene.duration);
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),

@@ -14,6 +14,7 @@
 #include "platform/cli/run/devices.h"
 #include "platform/cli/run/loop.h"
 #include "platform/linux/device_threads.h"
+#include "platform/linux/socket_device.h"
 #include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
 #include "platform/session/session.h"
@@ -36,6 +37,7 @@ struct RunOptions {
   RunFileNames files;
   std::string report;
   std::optional<std::string> spacemouse;  // socket of its daemon; empty: the default one
+  std::string device;                     // socket of the program that is the device; empty: none
   std::optional<std::uint16_t> view;      // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
   bool view_input = false;       // true: the page's pointer is the device
@@ -49,6 +51,7 @@ struct PreparedRun {
   std::unique_ptr<JointPointer> joint_pointer;          // instead of `pointer`, if pages move joints
   std::unique_ptr<SpaceMouse> spacemouse;               // with --spacemouse; else null
   std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/devices.h
+  std::unique_ptr<SocketDevice> socket_device;          // with --device; else null
   std::unique_ptr<Session> session;                     // null if there are errors
   RunPlan plan;
   BusPlan buses;

@@ -74,7 +74,7 @@ ExitCode run(RunOptions options) {
   }
   Session& session = *prepared.session;
   std::optional<RigOnBuses> real;
-  if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse ||
+  if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse || prepared.socket_device ||
       (options.view && !options.fast))
     options.realtime = true;
   if (prepared.link) {
@@ -87,6 +87,11 @@ ExitCode run(RunOptions options) {
   if (const std::string why_not = connect_spacemouse(options, prepared); !why_not.empty()) {
     print_lines(stderr, "", {why_not});
     return ExitCode::not_available;
+  }
+  if (prepared.socket_device) {
+    const std::string why_not = prepared.socket_device->open(options.device);
+    print_lines(stderr, "", {why_not.empty() ? "the device is the program on " + options.device : why_not});
+    if (!why_not.empty()) return ExitCode::not_available;
   }
   RunView view;
   if (options.view) {
@@ -164,6 +169,11 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
           "tool. See docs/trackers.md")
       ->type_name("[SOCKET]")
       ->expected(0, 1);
+  verb.add_option("--device", options.device,
+                  "use a program of your own as the device: it connects to this local socket, which is made, "
+                  "sends poses and receives the wrench, until the run is stopped. See "
+                  "docs/how-to/device-of-your-own.md")
+      ->type_name("SOCKET");
   verb.add_option_function<std::string>(
           "--rearm",
           [&options](const std::string& when) {

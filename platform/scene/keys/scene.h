@@ -10,18 +10,44 @@
 #include "platform/scene/checks.h"
 #include "platform/scene/keys/contact.h"
 #include "platform/scene/keys/device.h"
-#include "platform/scene/keys/fault.h"
 #include "platform/scene/keys/hand.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/key.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 
 inline constexpr double default_damping_ratio = 1.4;  // the paper: 1.4 <= g / sqrt(m k) <= 2
 inline constexpr double min_advised_ratio = 1.4, max_advised_ratio = 2.0;
 inline constexpr double max_advised_step = 2e-3;  // s
+
+/// Keys of a [[fault]] table, in scenes and in files of their own. device: null for none.
+template <class V>
+void visit_fault(V& v, const DeviceConfig* device, const FaultChecks& checks, FaultConfig& f) {
+  if (f.verb.empty()) f.verb = "drop";
+  const Key verb{.name = "verb", .unit = "", .meaning = "see docs/faults.md", .required = true};
+  if (checks.verbs == nullptr) v.value(verb, f.verb);
+  else choose(v, verb, checks.verbs(), f.verb);
+  v.value(Key{"bus", "", "empty: the node's; without a node all"}, f.bus);
+  std::uint8_t node_id = f.node_id.value_or(0);
+  v.value(Key{"node_id", "", "0: the host's end of the bus", {0, 127}}, node_id);
+  f.node_id = node_id == 0 ? std::nullopt : std::optional(node_id);
+  v.value(Key{"tracker", "", "instead of bus and node"}, f.tracker);
+  v.value(Key{"at", "s", "time of the motion; at 0 it is active from booting", {0, 1e6}}, f.at);
+  v.value(Key{"duration",
+              "s",
+              "default: to the end, or once for an event",
+              {.min = 0, .max = 1e6, .min_open = true}},
+          f.duration);
+  v.value(Key{"value", "", "unit in docs/faults.md; 0: the verb's default"}, f.value);
+  const bool has_place = device && (device->rig || !f.tracker.empty());
+  v.check(has_place, "verb", "requires a [device] with buses, or a tracker: add one, or remove the fault");
+  if (!has_place || checks.why_not_playable == nullptr) return;
+  const std::string error = checks.why_not_playable(f, *device);
+  v.check(error.empty(), "verb", "'" + f.verb + "' cannot be played: " + error);
+}
 
 /// Mass and inertia that define damping ratios: g = ratio sqrt(m k), g_r = ratio sqrt(I_max k_r).
 struct Massiveness {
