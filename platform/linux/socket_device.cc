@@ -170,7 +170,7 @@ void SocketDevice::take(const PosePacket& sample) noexcept {
   const auto& q = sample.q_WD_wxyz;
   newest_.X_WD = {.p = Vec3(p[0], p[1], p[2]), .q = Quat(q[0], q[1], q[2], q[3]).normalized()};
   newest_.state = (sample.flags & PosePacket::not_valid) != 0 ? StreamedSample::State::lost
-                                                                : StreamedSample::State::leads;
+                                                              : StreamedSample::State::leads;
   newest_.clutch = (sample.flags & PosePacket::clutch_open) == 0;
   const bool pressed = (sample.flags & PosePacket::button) != 0;
   if (pressed && !pressed_) ++newest_.presses;

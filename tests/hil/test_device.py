@@ -50,9 +50,13 @@ def test_the_force_ends_with_the_run(program, tmp_path, signum):
         assert device.zero_s - device.sent_s < 0.5  # 20 ms after the last wrench; the rest for a busy machine
         assert device.last.f_N == device.last.tau_Nm == (0, 0, 0) and not device.last.live
     finally:
-        run.send_signal(signal.SIGCONT)
-        run.terminate()
-        run.communicate(timeout=20)
+        if signum == signal.SIGSTOP:
+            run.send_signal(signal.SIGCONT)
+            run.terminate()
+        try:
+            run.communicate(timeout=20)
+        finally:
+            run.kill()
     if signum == signal.SIGKILL:
         return
     report = json.loads((tmp_path / "report.json").read_text())["device_program"]
