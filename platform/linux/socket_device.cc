@@ -120,6 +120,24 @@ void SocketDevice::command(Period& period, std::span<const Wrench> F_hand_W, Sho
     wrench.flags = WrenchPacket::live;
   }
   send(wrench);
+  shown_ = wrench;
+}
+
+/// Sends the last wrench of the run, ever smaller.
+bool SocketDevice::run_down(Period& period) noexcept {
+  run_down_left_s_ -= period.step;
+  if (program_ < 0 || run_down_left_s_ <= 0) return false;
+  WrenchPacket wrench = shown_;
+  wrench.t_s = period.t;
+  for (double& f : wrench.f_W_N) f *= run_down_left_s_ / run_down_s;
+  for (double& tau : wrench.tau_W_Nm) tau *= run_down_left_s_ / run_down_s;
+  send(wrench);
+  return true;
+}
+
+/// Sends a wrench of zero.
+void SocketDevice::stop(Period& period) noexcept {
+  if (program_ >= 0) send({.number = number_, .t_s = period.t});
 }
 
 /// Accepts a program, and refuses further ones.

@@ -60,6 +60,8 @@ class SocketDevice final : public HandDevice {
   static constexpr Nanoseconds stale_after_ns = 50'000'000;
   /// Limits of the hand's motion, m/s and rad/s; motion beyond them is left out.
   static constexpr double max_speed = 2, max_turn_rate = 20;
+  /// Time in which the wrench runs down at the end of a run, s.
+  static constexpr double run_down_s = 0.05;
   /// Largest distance of the hand from the origin, m.
   static constexpr double max_distance = 100;
 
@@ -78,6 +80,11 @@ class SocketDevice final : public HandDevice {
   void tell(RunTrouble) noexcept override { withheld_ = true; }
   bool has_hold_button() const noexcept override { return true; }
   bool hold_pressed() const noexcept override { return hold_pressed_; }
+  bool makes_torque() const noexcept override { return program_ >= 0; }
+  void disarm() noexcept override { run_down_left_s_ = run_down_s; }
+  void quick_stop() noexcept override { run_down_left_s_ = 0; }
+  bool run_down(Period& period) noexcept override;
+  void stop(Period& period) noexcept override;
   void restart() override { withheld_ = false; }
 
   const std::string& path() const noexcept { return path_; }
@@ -100,7 +107,9 @@ class SocketDevice final : public HandDevice {
   bool pressed_ = false;      // state of the button in the newest sample
   bool was_valid_ = false;    // true once a sample was valid
   bool hold_pressed_ = false;
-  bool withheld_ = false;  // true after a run whose force must not be displayed any more
+  bool withheld_ = false;  // true after trouble: the force must not be displayed any more
+  WrenchPacket shown_{};   // last wrench of the run
+  double run_down_left_s_ = 0;
   SocketDeviceCounters counters_;
 };
 

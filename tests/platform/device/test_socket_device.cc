@@ -291,6 +291,39 @@ TEST_F(SocketDeviceTest, TheLastWrenchIsZero) {
   EXPECT_EQ(last.front().f_W_N, (std::array<double, 3>{}));
 }
 
+TEST_F(SocketDeviceTest, TheForceRunsDownAtTheEnd) {
+  press();
+  made_.session->stop();
+  std::vector<double> force{newest_.f_W_N[0]};
+  int periods = 0;
+  for (; made_.session->phase() != RunPhase::ended; ++periods) {
+    ASSERT_LT(periods, 100);
+    now_ns += ms;
+    EXPECT_FALSE(made_.session->advance(record_));
+    for (const WrenchPacket& packet : program_->receive()) {
+      force.push_back(packet.f_W_N[0]);
+      newest_ = packet;
+    }
+  }
+  EXPECT_LT(force.front(), -1);
+  EXPECT_EQ(force.size(), 51u);
+  for (std::size_t i = 1; i < force.size(); ++i)
+    EXPECT_NEAR(force[i] - force[i - 1], -force.front() / 50, 1e-9) << i;
+  EXPECT_EQ(newest_.f_W_N, (std::array<double, 3>{}));
+  EXPECT_EQ(newest_.flags, 0u);
+}
+
+TEST_F(SocketDeviceTest, AQuickStopCutsTheForceAtOnce) {
+  press();
+  made_.session->quick_stop();
+  now_ns += ms;
+  EXPECT_FALSE(made_.session->advance(record_));
+  const auto wrenches = program_->receive();
+  ASSERT_EQ(wrenches.size(), 1u);
+  EXPECT_EQ(wrenches.front().f_W_N, (std::array<double, 3>{}));
+  EXPECT_EQ(wrenches.front().flags, 0u);
+}
+
 TEST_F(SocketDeviceTest, TheLoopDoesNotAllocate) {
   if (!AllocationGuard::works()) GTEST_SKIP() << "a sanitizer has the heap";
   rest(50, start());
