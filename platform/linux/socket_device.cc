@@ -5,7 +5,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -17,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Packets that one period reads at most; a program that sends more falls behind.
+/// Largest number of packets read in one period.
 constexpr int max_packets = 64;
 constexpr double max_norm_error = 1e-3;  // of the quaternion
 
@@ -65,16 +64,17 @@ SocketDevice::~SocketDevice() {
 std::string SocketDevice::open(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  const std::string what = "--device: '" + path + "' ";
+  const std::string option = "--device: '" + path + "' ";
   if (path.empty() || path.size() >= sizeof address.sun_path)
-    return what + "is no path of a socket: give one of 1 to " + std::to_string(sizeof address.sun_path - 1) +
-           " bytes";
+    return option + "is no path of a socket: give one of 1 to " +
+           std::to_string(sizeof address.sun_path - 1) + " bytes";
   std::memcpy(address.sun_path, path.c_str(), path.size());
   const auto* const to = reinterpret_cast<const sockaddr*>(&address);
   const int listener = new_socket();
-  if (listener < 0) return what + "cannot be made: " + std::generic_category().message(errno);
+  if (listener < 0) return option + "cannot be made: " + std::generic_category().message(errno);
   int failed = bind(listener, to, sizeof address);
-  if (failed != 0 && errno == EADDRINUSE && is_socket(path)) {  // left by a program that was killed?
+  if (failed != 0 && errno == EADDRINUSE && is_socket(path)) {
+    // A program that was killed leaves a socket without a listener.
     const int probe = new_socket();
     const bool is_left = connect(probe, to, sizeof address) != 0 && errno == ECONNREFUSED;
     ::close(probe);
@@ -84,7 +84,7 @@ std::string SocketDevice::open(const std::string& path) {
   if (failed != 0 || listen(listener, 1) != 0) {
     const int error = errno;
     ::close(listener);
-    return what + "cannot be listened on: " + std::generic_category().message(error) +
+    return option + "cannot be listened on: " + std::generic_category().message(error) +
            ": give another path, or end the program that has it";
   }
   listener_ = listener;
@@ -123,7 +123,7 @@ void SocketDevice::command(Period& period, std::span<const Wrench> F_hand_W, Sho
   shown_ = wrench;
 }
 
-/// Sends the last wrench of the run, ever smaller.
+/// Sends the last wrench of the run, scaled down linearly to zero within run_down_s.
 bool SocketDevice::run_down(Period& period) noexcept {
   run_down_left_s_ -= period.step;
   if (program_ < 0 || run_down_left_s_ <= 0) return false;

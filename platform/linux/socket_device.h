@@ -37,7 +37,7 @@ struct WrenchPacket {
   std::uint32_t number = 0;  // number of the newest sample; 0: none yet
   double t_s = 0;            // time of the run
   std::array<double, 3> f_W_N{}, tau_W_Nm{};
-  std::uint32_t flags = 0;  // not live: the wrench is zero, and stays so until the device is armed again
+  std::uint32_t flags = 0;  // live: cleared once the wrench stays zero, after trouble and at the end
   std::uint32_t reserved = 0;
 };
 static_assert(sizeof(WrenchPacket) == 72);
@@ -53,7 +53,7 @@ struct SocketDeviceCounters {
   std::uint64_t not_sent = 0;  // wrenches that the program was too slow to receive
 };
 
-/// The socket is served by the loop itself, without waiting. No call but open() allocates.
+/// Serves the socket in the loop itself, without waiting. No function but open() allocates.
 class SocketDevice final : public HandDevice {
  public:
   /// Age above which a sample is stale: the pose is then held, and the force fades.
@@ -107,7 +107,7 @@ class SocketDevice final : public HandDevice {
   bool pressed_ = false;      // state of the button in the newest sample
   bool was_valid_ = false;    // true once a sample was valid
   bool hold_pressed_ = false;
-  bool withheld_ = false;  // true after trouble: the force must not be displayed any more
+  bool withheld_ = false;  // true after trouble, until restart(): every wrench is zero
   WrenchPacket shown_{};   // last wrench of the run
   double run_down_left_s_ = 0;
   SocketDeviceCounters counters_;
