@@ -4,6 +4,7 @@
 #include "core/body/coupling.h"
 #include "core/device/device.h"
 #include "core/scene.h"
+#include "core/term/term.h"
 
 namespace godobject {
 
@@ -38,6 +39,23 @@ Real kinetic_energy_of(const Params<S>& par, const Motions& motions) noexcept {
   }
   return T;
 }
+
+/// Places of a state, for the energy of terms.
+template <class S>
+struct TermPlaces {
+  const State<S>& x;
+
+  /// Returns the position of the point p of u, m.
+  Vec3 point(std::uint32_t u, const Vec3& p) const noexcept {
+    if (u == TermEnds::on_world) return p;
+    if constexpr (uses<NodesOf<S>>)
+      if (u >= S::max_bodies) return x.nodes[u - S::max_bodies].p_W;
+    const Pose& X = x.bodies[u].x.X_WB;
+    return X.p + to_world(X.q, p);
+  }
+  /// Returns coordinate c of the joint of body i, rad or m.
+  Real coordinate(std::uint32_t i, int c) const noexcept { return x.bodies[i].joint.q[c]; }
+};
 
 /// State of a body's coupling at the end of the last step.
 struct CouplingAt {

@@ -211,16 +211,10 @@ class EnergyBalance {
   }
 
   static Real term_energy(const Params<S>& par, const State<S>& x) noexcept {
-    const auto point = [&](std::uint32_t u, const Vec3& p) noexcept -> Vec3 {
-      if (u == TermEnds::on_world) return p;
-      if constexpr (uses<NodesOf<S>>)
-        if (u >= S::max_bodies) return x.nodes[u - S::max_bodies].p_W;
-      const Pose& X = x.bodies[u].x.X_WB;
-      return X.p + to_world(X.q, p);
-    };
     Real E = 0;
-    TermsOf<S>::each_param(par.terms,
-                           [&](auto kind, const auto& one) noexcept { E += kind.energy(one, point); });
+    TermsOf<S>::each_param(par.terms, [&](auto kind, const auto& one) noexcept {
+      E += kind.energy(one, TermPlaces<S>{x});
+    });
     return E;
   }
 

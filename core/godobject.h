@@ -12,4 +12,7 @@
 #include "core/joint/tree.h"
 #include "core/setup.h"
 #include "core/step.h"
+#include "core/term/constant_force.h"
+#include "core/term/coordinate_spring.h"
 #include "core/term/damped_spring.h"
+#include "core/term/loop_joint.h"

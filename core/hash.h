@@ -96,6 +96,8 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
     hash.add(body.x, body.memory, body.device, body.coupling, body.feedback, body.joint);
   }
   hash.add(x.contacts);
+  if constexpr (uses<TermsOf<S>>)
+    for (std::size_t t = 0; t < par.terms.size(); ++t) hash.add(x.terms.list[t]);
   if constexpr (uses<NodesOf<S>>)
     for (std::size_t j = 0; j < num_nodes(par); ++j) hash.add(x.nodes[j]);
   if constexpr (uses<NetOf<S>>) {

@@ -164,7 +164,7 @@ bool flies([[maybe_unused]] const Params<S>& par, const Scratch<S>& w, std::size
   }
   if constexpr (uses<TermsOf<S>>) {
     for (std::size_t t = 0; t < contacts.graph.num_terms; ++t)
-      if (contacts.graph.terms[t].i == i || contacts.graph.terms[t].j == i) return false;
+      if (contacts.graph.terms[t].contains(static_cast<std::uint32_t>(i))) return false;
   }
   for (std::size_t k = 0; k < contacts.near.size; ++k)
     if (contacts.near.list[k].a == i || contacts.near.list[k].b == i) return false;

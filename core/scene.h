@@ -119,6 +119,10 @@ template <class S>
 concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
+template <class S>
+concept CoordinateTermsNeedStops = !uses<TermsOf<S>> || requires {
+  requires !TermsOf<S>::on_coordinates || uses<typename S::Joints::Stops>;
+};
 template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
 template <class S> concept FeedbackNeedsCoupling = !uses<typename S::Feedback> || uses<typename S::Coupling>;
@@ -132,7 +136,7 @@ concept NamesAreKnown =
     ContactsAreNotMisspelt<S> && NodesAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && NamesAreKnown<S> && PartsAreParts<S> &&
-    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && NetNeedsBodyContacts<S> &&
+    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && CoordinateTermsNeedStops<S> && NetNeedsBodyContacts<S> &&
     CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Parameters of a body, constant during a run.
@@ -215,6 +219,7 @@ template <class S>
 struct State {
   std::array<BodyState<S>, S::max_bodies> bodies;
   std::uint64_t tick = 0;  // steps taken
+  [[no_unique_address]] Slot<typename TermsOf<S>::State, 19> terms;
   [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
   [[no_unique_address]] NodeStates<S> nodes;
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetState<S>, Absent<21>> net;
@@ -249,6 +254,7 @@ struct Output {
   std::array<BodyOutput<S>, S::max_bodies> bodies;
   [[no_unique_address]] Slot<typename ContactsOf<S>::Output, 10> contacts;
   [[no_unique_address]] Slot<typename NetOf<S>::Output, 21> net;
+  [[no_unique_address]] Slot<typename TermsOf<S>::Output, 19> terms;
   Fault fault = Fault::none;
   Limited limited = Limited::none;
 };

@@ -122,12 +122,36 @@ bool is_valid(const Nodes& par) noexcept requires requires {
   for (std::size_t j = 0; valid && j < par.size; ++j) valid = par.list[j].m > 0 && is_gain(par.list[j].m);
   return valid;
 }
-/// True if all terms are valid. exists(i): true if i is the number of a body or node.
-template <class... Terms, class Exists>
-bool are_valid(const std::tuple<Terms...>& par, Exists exists) noexcept {
+/// Bodies, nodes and joints of a scene, for the validation of its terms.
+template <Scene S>
+struct TermValidation {
+  const Params<S>& par;
+
+  /// True if i is the number of a body or node.
+  bool exists(std::size_t i) const noexcept {
+    return i < par.num_bodies || (i >= S::max_bodies && i < S::max_bodies + num_nodes(par));
+  }
+  /// True if body i has a joint with a coordinate c.
+  bool has_coordinate(std::size_t i, int c) const noexcept {
+    bool has = false;
+    if constexpr (uses<typename S::Joints>) {
+      if (i >= par.num_bodies) return false;
+      with_joint(par.bodies[i].joint.kind, [&](auto kind) noexcept {
+        const NumAxes n = num_axes(par.bodies[i].joint.kind);
+        has = requires { kind.coordinates(JointFrames{}); } && c >= 0 && c < n.turns + n.slides;
+      });
+    }
+    return has;
+  }
+  static bool is_frame(const JointFrame& X) noexcept { return is_valid(X); }
+};
+
+/// True if all terms are valid.
+template <class... Terms, class OfScene>
+bool are_valid(const std::tuple<Terms...>& par, const OfScene& scene) noexcept {
   const auto valid = [&](const auto& terms) noexcept {
     bool all = terms.size <= terms.list.size();
-    for (std::size_t t = 0; all && t < terms.size; ++t) all = is_valid(terms.list[t], exists);
+    for (std::size_t t = 0; all && t < terms.size; ++t) all = is_valid(terms.list[t], scene);
     return all;
   };
   return std::apply([&](const auto&... terms) noexcept { return (valid(terms) && ...); }, par);
@@ -156,9 +180,8 @@ Validity validate(const Params<S>& par) noexcept {
     }
   }
   if constexpr (uses<ContactsOf<S>>) {
-    const auto exists = [&](std::size_t i) noexcept {
-      return i < par.num_bodies || (i >= S::max_bodies && i < S::max_bodies + num_nodes(par));
-    };
+    const TermValidation<S> scene{par};
+    const auto exists = [&](std::size_t i) noexcept { return scene.exists(i); };
     if constexpr (uses<NodesOf<S>>)
       if (!is_valid(par.nodes)) return Invalid::node;
     if constexpr (uses<NetOf<S>>) {
@@ -166,7 +189,7 @@ Validity validate(const Params<S>& par) noexcept {
       if (!are_valid_attachments(par.net, par.num_bodies)) return Invalid::net_attachment;
     }
     if constexpr (uses<TermsOf<S>>)
-      if (!are_valid(par.terms.of_kinds, exists)) return Invalid::term;
+      if (!are_valid(par.terms.of_kinds, scene)) return Invalid::term;
     return validate_contacts(par.contacts, par.num_bodies, exists);
   }
   return Invalid::nothing;

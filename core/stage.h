@@ -100,6 +100,35 @@ void set_mean_velocities(const Params<S>& par, const State<S>& x, Real h, Scratc
   }
 }
 
+/// Returns coordinate c of the joint of body i at the predicted end of a stage.
+template <Scene S>
+CoordinateAt coordinate_at([[maybe_unused]] const Params<S>& par, std::uint32_t i, [[maybe_unused]] int c,
+                           [[maybe_unused]] Real h, [[maybe_unused]] const Scratch<S>& w) noexcept {
+  CoordinateAt at{.child = i};
+  if constexpr (counts_turns<S>) {
+    const JointParams& joint = par.bodies[i].joint;
+    const auto& places = w.contacts.finder.at;
+    const bool has_parent = joint.parent != world;
+    at.a_W = places[i].p_W + places[i].R_WB * joint.C.p;
+    if (has_parent) at.parent = static_cast<std::uint32_t>(joint.parent);
+    const JointAt now =
+        joint_at(joint, has_parent ? places[joint.parent] : TreePlace{}, anchored(places[i], at.a_W));
+    with_joint(joint.kind, [&]<class Kind>(Kind) noexcept {
+      if constexpr (requires(const JointFrames& X) { Kind::coordinates(X); }) {
+        const auto m = Kind::motion(now.X);
+        at.is_turn = c < decltype(m)::num_turns;
+        for (int k = 0; k < decltype(m)::num_turns; ++k)
+          if (k == c) at.s_W = m.turn[static_cast<std::size_t>(k)];
+        for (int k = 0; k < decltype(m)::num_slides; ++k)
+          if (k + decltype(m)::num_turns == c) at.s_W = m.slide[static_cast<std::size_t>(k)];
+        at.q = counted<Kind>(now.X, now.V.w, w.tree.q[i], h)[c];
+        at.rate = at.s_W.dot(at.is_turn ? now.V.w : now.V.v);
+      }
+    });
+  }
+  return at;
+}
+
 /// Solves a stage with contacts, nodes and terms. Compiled once for all stages of a step.
 template <Scene S>
 [[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which,
@@ -108,7 +137,10 @@ template <Scene S>
   set_mean_velocities(par, x, h, w);
   if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
-  if constexpr (uses<TermsOf<S>>) begin_terms(par.terms, h, contacts);
+  if constexpr (uses<TermsOf<S>>) {
+    const auto coordinate = [&](std::uint32_t i, int c) noexcept { return coordinate_at(par, i, c, h, w); };
+    begin_terms(par.terms, which == Solve::first ? x.terms : w.term_forces, h, coordinate, contacts);
+  }
   if constexpr (uses<NetOf<S>>) {
     const NetInput<NetOf<S>> net{par.net, par.gravity_W, which == Solve::again};
     begin_net(net, w.net.bases, h, contacts);
@@ -119,6 +151,7 @@ template <Scene S>
     solve_contacts(par.contacts, end_of_numbers(par), h, contacts);
     end_contacts(h, contacts);
   }
+  if constexpr (uses<TermsOf<S>>) end_terms(h, contacts, w.term_forces);
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const SpatialVector& V = contacts.x.V[i];

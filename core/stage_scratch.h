@@ -91,6 +91,7 @@ struct StepMeans {
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, ContactForces<num_stages * NetOf<S>::max_contacts>,
                                            Absent<29>>
       of_nodes;
+  [[no_unique_address]] Slot<typename TermsOf<S>::Output, 33> terms;
 };
 
 /// True if stages are iterated for joints (39).
@@ -140,6 +141,7 @@ struct Scratch {
       nodes;
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetMotions<S>, Absent<21>> net;
   [[no_unique_address]] ContactScratchOf<S> contacts;
+  [[no_unique_address]] Slot<typename TermsOf<S>::State, 32> term_forces;  // of the last solve
   [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>> || uses<typename S::Joints>, StepMeans<S>,
                                            Absent<30>>
       means;

@@ -115,6 +115,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
   }
   if constexpr (has_stages<S>) x.forces.assign(w.contacts.forces);
   if constexpr (uses<ContactsOf<S>>) x.contacts.assign(w.contacts.memories.after());
+  if constexpr (uses<TermsOf<S>>) x.terms = w.term_forces;
   x.tick += 1;
 }
 
@@ -162,6 +163,9 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
   }
   if constexpr (uses<NetOf<S>>) {
     if (taken) out.net = w.contacts.net.report;
+  }
+  if constexpr (uses<TermsOf<S>>) {
+    if (taken) out.terms = w.means.terms;
   }
 
   // feedback: (8), moved to driven links (9), bounded

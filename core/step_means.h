@@ -31,6 +31,9 @@ void add_to_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] Real s
     }
     if constexpr (uses<ContactsOf<S>>) w.means.contacts.add(w.contacts.forces, share);
     if constexpr (uses<NetOf<S>>) w.means.of_nodes.add(w.contacts.net.forces, share);
+    if constexpr (uses<TermsOf<S>>)
+      for (std::size_t t = 0; t < par.terms.size(); ++t)
+        add_share(w.term_forces.list[t], share, w.means.terms.list[t]);
   }
 }
 
@@ -42,6 +45,7 @@ void begin_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const S
     w.means.bodies.fill({});
     if constexpr (uses<ContactsOf<S>>) w.means.contacts.size = 0;
     if constexpr (uses<NetOf<S>>) w.means.of_nodes.size = 0;
+    if constexpr (uses<TermsOf<S>>) w.means.terms = {};
     if (!(share > 0)) return;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       auto& mean = w.means.bodies[i];
@@ -50,6 +54,9 @@ void begin_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const S
     }
     if constexpr (has_stages<S>) w.means.contacts.add(x.forces, share);
     if constexpr (has_stages<S> && uses<NetOf<S>>) w.means.of_nodes.add(x.net.forces, share);
+    if constexpr (uses<TermsOf<S>>)
+      for (std::size_t t = 0; t < par.terms.size(); ++t)
+        add_share(x.terms.list[t], share, w.means.terms.list[t]);
   }
 }
 
@@ -66,6 +73,8 @@ void scale_means([[maybe_unused]] const Params<S>& par, [[maybe_unused]] Real fa
     }
     if constexpr (uses<ContactsOf<S>>) w.means.contacts.scale(factor);
     if constexpr (uses<NetOf<S>>) w.means.of_nodes.scale(factor);
+    if constexpr (uses<TermsOf<S>>)
+      for (Wrench& F : w.means.terms.list) F = {.tau = factor * F.tau, .f = factor * F.f};
   }
 }
 
@@ -75,6 +84,7 @@ void assign(const StepMeans<S>& from, StepMeans<S>& to) noexcept {
   to.bodies = from.bodies;
   if constexpr (uses<ContactsOf<S>>) to.contacts.assign(from.contacts);
   if constexpr (uses<NetOf<S>>) to.of_nodes.assign(from.of_nodes);
+  if constexpr (uses<TermsOf<S>>) to.terms = from.terms;
 }
 
 }  // namespace godobject

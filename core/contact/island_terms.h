@@ -6,16 +6,19 @@
 namespace godobject {
 
 /// Linearises the terms at the predicted end of the stage, for velocities relative to V_p of jointed bodies,
-/// and adds the graph's edges.
-template <class Contacts, std::size_t N>
-void begin_terms(const typename Contacts::Terms::Params& par, Real h,
-                 BodyContactScratch<Contacts, N>& w) noexcept {
+/// and adds the graph's edges. forces: of the terms in the previous solve. coordinate(i, c): coordinate c of
+/// the joint of body i at the predicted end.
+template <class Contacts, std::size_t N, std::size_t max, class CoordinateOf>
+void begin_terms(const typename Contacts::Terms::Params& par, const TermForces<max>& forces, Real h,
+                 const CoordinateOf& coordinate, BodyContactScratch<Contacts, N>& w) noexcept {
+  const TermStage<decltype(w.finder.at), decltype(w.stages), CoordinateOf> in{w.finder.at, w.stages,
+                                                                              coordinate, h};
   w.graph.num_terms = 0;
   Contacts::Terms::each_kind(par, w.terms, [&](auto kind, const auto& terms, auto& stages) noexcept {
     stages.size = terms.size;
     for (std::size_t t = 0; t < terms.size; ++t) {
       auto& stage = stages.list[t];
-      kind.begin(terms.list[t], w.finder.at, h, stage);
+      kind.begin(terms.list[t], in, forces.list[w.graph.num_terms], stage);
       kind.each_force(stage, [&](std::uint32_t u, const Column& r, const Column& F) noexcept {
         if (u >= N - Contacts::max_nodes) return;
         Column w_W(w.finder.at[u].V.w);
@@ -25,7 +28,7 @@ void begin_terms(const typename Contacts::Terms::Params& par, Real h,
         w.stages[u].b.w += K * w_W;
       });
       if constexpr (Contacts::jointed) kind.shift(w.graph.joints.V_p, stage);
-      w.graph.terms[w.graph.num_terms++] = {stage.ends};
+      w.graph.terms[w.graph.num_terms++] = {kind.ends(stage)};
     }
   });
 }
@@ -46,14 +49,17 @@ void each_term(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
 template <class Contacts, std::size_t N>
 void couple_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   each_term(island, w, [&](auto, TermEdge& edge, const auto&) noexcept {
-    if (edge.is_between()) edge.entry = w.system.couple(edge.i, edge.j);
+    std::size_t k = 0;
+    edge.each_pair([&](std::uint32_t a, std::uint32_t b) noexcept {
+      edge.entries[k++] = w.system.couple(edge.list[a], edge.list[b]);
+    });
   });
 }
 
 template <class Contacts, std::size_t N>
 void load_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   each_term(island, w, [&](auto kind, const TermEdge& edge, const auto& stage) noexcept {
-    kind.load(stage, edge.entry, w.system);
+    kind.load(stage, edge.entries, w.system);
   });
 }
 
@@ -64,6 +70,15 @@ void each_term_impulse(BodyContactScratch<Contacts, N>& w, F f) noexcept {
     Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t, const auto& stage) noexcept {
       kind.each_impulse(w.x.V, stage, f);
     });
+}
+
+/// Computes the forces of all terms at the solved velocities.
+template <class Contacts, std::size_t N, std::size_t max>
+void end_terms(Real h, BodyContactScratch<Contacts, N>& w, TermForces<max>& forces) noexcept {
+  Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t t, const auto& stage) noexcept {
+    const SpatialVector F = kind.force(w.x.V, stage) * (1 / h);
+    forces.list[t] = {.tau = F.w.vec(), .f = F.v.vec()};
+  });
 }
 
 }  // namespace godobject

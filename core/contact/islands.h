@@ -80,7 +80,7 @@ void join_bodies(std::size_t num_bodies, TouchingGraph<N, max_pairs, jointed, ma
     for (std::uint32_t k = 0; k < w.num_pairs; ++k) w.join(w.pairs[k].child, w.pairs[k].parent);
   if constexpr (max_terms > 0)
     for (std::uint32_t t = 0; t < w.num_terms; ++t)
-      if (w.terms[t].is_between()) w.join(w.terms[t].i, w.terms[t].j);
+      for (std::uint32_t e = 1; e < w.terms[t].size; ++e) w.join(w.terms[t].list[0], w.terms[t].list[e]);
   if constexpr (jointed) {
     std::size_t on_world = world;
     for (std::uint32_t i = 0; i < num_bodies; ++i) {
@@ -132,7 +132,7 @@ void make_islands(const std::array<bool, N>& touches, std::size_t num_bodies,
       w.pair_order[w.island_with(w.pairs[k].child).end_pair++] = k;
   if constexpr (max_terms > 0) {
     for (std::uint32_t t = 0; t < w.num_terms; ++t) {
-      w.terms[t].island = w.island_of[w.root_of(w.terms[t].j)];
+      w.terms[t].island = w.island_of[w.root_of(w.terms[t].list[0])];
       w.islands[w.terms[t].island].has_terms = true;
     }
   }

@@ -17,7 +17,7 @@ struct FixedContacts {
   static constexpr std::size_t max_contacts = contacts_, max_pairs = 0, max_blocks = 0;
   static constexpr bool between_bodies = false;
   static constexpr bool jointed = false;                      // OnJoints
-  static constexpr std::size_t max_nodes = 0, max_terms = 0;  // WithTerms
+  static constexpr std::size_t max_nodes = 0, max_terms = 0, max_term_entries = 0;  // WithTerms
   using TermStages = Absent<19>;
   static constexpr bool has_net = false;  // WithNet
   static constexpr std::size_t max_net_packs = 0;
@@ -41,7 +41,8 @@ struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
 template <class Contacts, class Terms_, std::size_t nodes>
 struct WithTerms : Contacts {
   using Terms = Terms_;
-  static constexpr std::size_t max_nodes = nodes, max_terms = Terms::max_terms;
+  static constexpr std::size_t max_nodes = nodes, max_terms = Terms::max_terms,
+                               max_term_entries = Terms::max_entries;
   using TermStages = typename Terms::Stages;
 };
 
@@ -114,7 +115,7 @@ struct BodyContactScratch {
                                           ? std::max(N, std::min(blocks_per_body* N, N*(N - 1) / 2 + 1))
                                           : N;
   static constexpr std::size_t max_entries = std::max<std::size_t>(
-      max_pairs + max_terms + (Contacts::jointed ? N : 0) + Contacts::template max_net_pairs<N>, 1);
+      max_pairs + Contacts::max_term_entries + (Contacts::jointed ? N : 0) + Contacts::template max_net_pairs<N>, 1);
   using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room,
                              Contacts::jointed, Contacts::has_net>;
   using OfNet = NetStageType<Contacts, N, System>;
@@ -199,8 +200,7 @@ void find_pairs(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) noex
   if constexpr (Contacts::max_terms > 0) {
     for (std::uint32_t t = 0; t < w.graph.num_terms; ++t) {
       const TermEdge& term = w.graph.terms[t];
-      w.touches[term.j] = true;
-      if (term.is_between()) w.touches[term.i] = true;
+      for (std::uint32_t e = 0; e < term.size; ++e) w.touches[term.list[e]] = true;
     }
   }
   make_islands(w.touches, num_bodies, w.graph, [&]() noexcept {

@@ -1,15 +1,17 @@
 // Terms: forces between bodies, nodes and the world, as effective masses and impulses in the block system
 // (26).
 //
-//   using Terms = TermList<DampedSprings<4>>;
+//   using Terms = TermList<DampedSprings<4>, CoordinateSprings<2>>;
 //
 // Kinds of terms are a file each, such as damped_spring.h; this file has the list of the kinds of a scene.
-// Members of a kind: max, the capacity for its terms; Param, the parameters of one term; Stage, the data of
-// one term in a stage.
-// ends(): bodies or nodes that it couples. begin(): linearises it about the predicted end of the stage.
-// load(): adds it to the block system. each_impulse(): its impulses at the velocities of the end.
+// Members of a kind: max, the capacity for its terms; max_ends, the largest number of bodies and nodes of a
+// term; Param, the parameters of one term; Stage, the data of one term in a stage.
+// ends(): bodies and nodes that it couples. begin(): linearises it about the predicted end of the stage.
+// load(): adds it to the block system. each_impulse(): its impulses at the velocities of the end. force():
+// the wrench on its last end, about its point, as an impulse.
 #pragma once
 
+#include <algorithm>
 #include <tuple>
 
 #include "core/composition.h"
@@ -17,17 +19,64 @@
 
 namespace godobject {
 
-/// Bodies or nodes that a term couples, by number (node_number); i may be the world.
+/// Bodies and nodes that a term couples, by number (node_number), each once.
 struct TermEnds {
+  static constexpr std::size_t max = 4, max_pairs = max * (max - 1) / 2;
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
-  std::uint32_t i = on_world, j = 0;
+  std::array<std::uint32_t, max> list{};
+  std::uint32_t size = 0;
 
-  bool is_between() const noexcept { return i != on_world; }
+  /// Returns the place of u in the list, appended if it is new.
+  std::uint32_t add(std::uint32_t u) noexcept {
+    const auto end = list.begin() + size;
+    const auto at = std::find(list.begin(), end, u);
+    if (at == end) list[size++] = u;
+    return static_cast<std::uint32_t>(at - list.begin());
+  }
+  bool contains(std::uint32_t u) const noexcept {
+    return std::find(list.begin(), list.begin() + size, u) != list.begin() + size;
+  }
+  /// Calls f(a, b) for every two places a < b of the list.
+  template <class F>
+  void each_pair(F f) const noexcept {
+    for (std::uint32_t a = 0; a < size; ++a)
+      for (std::uint32_t b = a + 1; b < size; ++b) f(a, b);
+  }
 };
+
+/// Entries of the block system, one for every two ends, in the order of each_pair().
+using TermEntries = std::array<std::uint32_t, TermEnds::max_pairs>;
 
 /// Term in the graph of coupled bodies and nodes. Undefined between steps.
 struct TermEdge : TermEnds {
-  std::uint32_t island = 0, entry = 0;  // entry: of the island's system, if it is between two
+  std::uint32_t island = 0;
+  TermEntries entries{};
+};
+
+/// Coordinate of a joint at the predicted end of a stage.
+struct CoordinateAt {
+  Real q = 0, rate = 0;        // rad or m, turns counted, and its derivative
+  Vec3 s_W = Vec3::Zero();     // axis, unit
+  Vec3 a_W = Vec3::Zero();     // anchor on the child
+  bool is_turn = true;         // false: translation
+  std::uint32_t child = 0, parent = TermEnds::on_world;
+
+  /// Returns the covector a of the coordinate's rate, a . V, for the twist V of the child at its centre of
+  /// mass p. For the parent at p, -a.
+  SpatialVector row(const Vec3& p_W) const noexcept {
+    if (is_turn) return {.w = Column(s_W), .v = Column(Pack(0))};
+    return {.w = Column(Vec3((a_W - p_W).cross(s_W))), .v = Column(s_W)};
+  }
+};
+
+/// Stage as terms use it. at[u]: predicted place of u at the end of the stage. stages[u]: its effective mass.
+/// coordinate(i, c): coordinate c of the joint of body i.
+template <class Places, class Stages, class CoordinateOf>
+struct TermStage {
+  const Places& at;
+  const Stages& stages;
+  const CoordinateOf& coordinate;
+  Real h;
 };
 
 /// Terms of one kind, up to its capacity.
@@ -37,11 +86,22 @@ struct TermArray {
   std::size_t size = 0;
 };
 
+/// Wrench of each term on its last end about its point, world axes. For terms on coordinates, the force along
+/// the last one.
+template <std::size_t max>
+struct TermForces {
+  std::array<Wrench, max> list;
+};
+
 /// Terms part of a scene.
 template <class... Kinds>
 struct TermList {
   static constexpr std::size_t max_terms = (Kinds::max + ... + 0);
-  using State = Empty;
+  static constexpr std::size_t max_entries =
+      ((Kinds::max * (Kinds::max_ends * (Kinds::max_ends - 1) / 2)) + ... + 0);
+  static constexpr bool on_coordinates = (Kinds::on_coordinates || ...);
+  using State = TermForces<max_terms>;  // of the last stage
+  using Output = TermForces<max_terms>;  // means over the step
   /// Parameters, constant during a run.
   struct Params {
     std::tuple<TermArray<typename Kinds::Param, Kinds::max>...> of_kinds;
@@ -49,6 +109,10 @@ struct TermList {
     template <std::size_t k>
     auto& of() noexcept {
       return std::get<k>(of_kinds);
+    }
+    /// Returns the number of all terms.
+    std::size_t size() const noexcept {
+      return std::apply([](const auto&... terms) noexcept { return (terms.size + ... + 0); }, of_kinds);
     }
   };
   using Stages = std::tuple<TermArray<typename Kinds::Stage, Kinds::max>...>;

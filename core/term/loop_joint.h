@@ -1,0 +1,136 @@
+// Term: joints that close loops. The tree of the scene's joints is eliminated (33); a joint between two of
+// its bodies is a term that holds the constrained directions, as (18) holds the others.
+#pragma once
+
+#include "core/joint/list.h"
+#include "core/joint/stabilisation.h"
+#include "core/joint/tree.h"
+#include "core/term/term.h"
+#include "core/tuning.h"
+
+namespace godobject {
+
+/// Parameters of a closing joint. Its frames coincide at coordinates zero, as those of other joints.
+struct LoopJointParams {
+  JointKind kind{};
+  std::uint32_t a = TermEnds::on_world, b = 0;  // bodies; a may be the world
+  JointFrame P, C;                              // frames on a and b
+};
+
+template <class Scene>
+bool is_valid(const LoopJointParams& par, const Scene& scene) noexcept {
+  return par.kind != JointKind::free && (par.a == TermEnds::on_world || scene.exists(par.a)) &&
+         scene.exists(par.b) && par.a != par.b && scene.is_frame(par.P) && scene.is_frame(par.C);
+}
+
+/// Closing joint in a stage. The impulse on b at its anchor, for the twist V of b against a there, is
+///
+///   (62)  J - K V,  K = K_rigid L^T L,  J = K beta
+///
+/// with L the constrained directions and L beta the twist that undoes the violation (18). K_rigid is so large
+/// that the impulse is the multiplier of the constraint; redundant directions share it.
+struct LoopJointStage {
+  std::uint32_t a = TermEnds::on_world, b = 0;
+  Column r_a, r_b;  // anchor from the centres of mass, world axes
+  SymmetricSpatialMatrix K;
+  SpatialVector J;
+  Column F_0;  // force in the previous solve
+};
+
+/// Kind of term with a capacity for closing joints.
+template <std::size_t max_>
+struct LoopJoints {
+  static constexpr std::size_t max = max_, max_ends = 2;
+  static constexpr bool on_coordinates = false;
+  using Param = LoopJointParams;
+  using Stage = LoopJointStage;
+
+  static TermEnds ends(const Stage& w) noexcept {
+    TermEnds ends;
+    if (is_between(w)) ends.add(w.a);
+    ends.add(w.b);
+    return ends;
+  }
+
+  /// Linearises a joint. F: its wrench on b in the previous solve.
+  template <class OfStage>
+  static void begin(const Param& par, const OfStage& stage, const Wrench& F, Stage& w) noexcept {
+    const bool between = par.a != TermEnds::on_world;
+    const TreePlace A = between ? stage.at[par.a] : TreePlace{}, &B = stage.at[par.b];
+    const Vec3 r_b = B.R_WB * par.C.p, a_W = B.p_W + r_b;
+    const JointAt now = joint_at({.kind = par.kind, .parent = 0, .P = par.P, .C = par.C}, A,
+                                 {.p_W = B.p_W,
+                                  .R_WB = B.R_WB,
+                                  .a_W = a_W,
+                                  .V = {.w = B.V.w, .v = B.V.v + B.V.w.cross(a_W - B.a_W)}});
+    const auto& of_b = stage.stages[par.b];
+    Real M = of_b.M, I = mean_of(of_b.A_ww);
+    if (between) {
+      M = std::min(M, stage.stages[par.a].M);
+      I = std::min(I, mean_of(stage.stages[par.a].A_ww));
+    }
+    w = {.a = par.a, .b = par.b, .r_a = Column(Vec3(a_W - A.p_W)), .r_b = Column(r_b), .F_0 = Column(F.f)};
+    with_joint(par.kind, [&](auto kind) noexcept {
+      const auto m = kind.motion(now.X);
+      const Twist beta = across(m, AtPrediction::beta(m, now.V, par.C.p.squaredNorm(), stage.h));
+      Mat3 turns = Mat3::Identity(), moves = Mat3::Identity();
+      if constexpr (decltype(m)::num_turns == 3) turns.setZero();
+      for (const Vec3& s : m.turn) turns -= s * s.transpose();
+      for (const Vec3& s : m.slide) moves -= s * s.transpose();
+      const Real K_w = rigid_mass_ratio * I, K_v = rigid_mass_ratio * M;
+      w.K = {.ww = block_of(K_w * turns), .wv = Block::zero(), .vv = block_of(K_v * moves)};
+      w.J = {.w = Column(Vec3(K_w * beta.w)), .v = Column(Vec3(K_v * beta.v))};
+    });
+  }
+  /// Calls f(u, r, force at r on u in the previous solve).
+  template <class F>
+  static void each_force(const Stage& w, F f) noexcept {
+    f(w.b, w.r_b, w.F_0);
+    if (is_between(w)) f(w.a, w.r_a, -w.F_0);
+  }
+  /// Makes the velocities of the term relative to V.
+  template <class Twists>
+  static void shift(const Twists& V, Stage& w) noexcept {
+    w.J -= w.K * twist_of(V, w);
+  }
+  template <class System>
+  static void load(const Stage& w, const TermEntries& entries, System& system) noexcept {
+    const auto add = [&](std::uint32_t u, const Column& r, const SpatialVector& J) noexcept {
+      SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
+      add_to_parent(w.K, r, A);
+      system.add(u, A);
+      system.add_impulse(u, moved_wrench(J, r));
+    };
+    add(w.b, w.r_b, w.J);
+    if (!is_between(w)) return;
+    add(w.a, w.r_a, w.J * Real(-1));
+    system.add_coupling(entries[0], shifted(coupling(w.K, w.r_a), w.r_b));
+  }
+  template <class Twists, class F>
+  static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
+    const SpatialVector J = force(V, w);
+    f(w.b, moved_wrench(J, w.r_b));
+    if (is_between(w)) f(w.a, moved_wrench(J * Real(-1), w.r_a));
+  }
+  /// Returns the impulse on b at the anchor.
+  template <class Twists>
+  static SpatialVector force(const Twists& V, const Stage& w) noexcept {
+    return w.J - w.K * twist_of(V, w);
+  }
+  /// Returns zero: a joint stores no energy.
+  template <class At>
+  static Real energy(const Param&, const At&) noexcept {
+    return 0;
+  }
+
+ private:
+  static bool is_between(const Stage& w) noexcept { return w.a != TermEnds::on_world; }
+  /// Returns the twist of b against a at the anchor.
+  template <class Twists>
+  static SpatialVector twist_of(const Twists& V, const Stage& w) noexcept {
+    const SpatialVector V_b = shifted(V[w.b], w.r_b);
+    return is_between(w) ? V_b - shifted(V[w.a], w.r_a) : V_b;
+  }
+};
+
+}  // namespace godobject
