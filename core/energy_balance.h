@@ -212,9 +212,8 @@ class EnergyBalance {
 
   static Real term_energy(const Params<S>& par, const State<S>& x) noexcept {
     Real E = 0;
-    TermsOf<S>::each_param(par.terms, [&](auto kind, const auto& one) noexcept {
-      E += kind.energy(one, TermPlaces<S>{x});
-    });
+    TermsOf<S>::each_param(
+        par.terms, [&](auto kind, const auto& one) noexcept { E += kind.energy(one, TermPlaces<S>{x}); });
     return E;
   }
 

@@ -119,8 +119,7 @@ template <class S>
 concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
-template <class S>
-concept CoordinateTermsNeedStops = !uses<TermsOf<S>> || requires {
+template <class S> concept CoordinateTermsNeedStops = !uses<TermsOf<S>> || requires {
   requires !TermsOf<S>::on_coordinates || uses<typename S::Joints::Stops>;
 };
 template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
@@ -136,8 +135,8 @@ concept NamesAreKnown =
     ContactsAreNotMisspelt<S> && NodesAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && NamesAreKnown<S> && PartsAreParts<S> &&
-    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && CoordinateTermsNeedStops<S> && NetNeedsBodyContacts<S> &&
-    CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
+    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && CoordinateTermsNeedStops<S> &&
+    NetNeedsBodyContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Parameters of a body, constant during a run.
 template <class S>

@@ -138,7 +138,8 @@ struct TermValidation {
       if (i >= par.num_bodies) return false;
       with_joint(par.bodies[i].joint.kind, [&](auto kind) noexcept {
         const NumAxes n = num_axes(par.bodies[i].joint.kind);
-        has = requires { kind.coordinates(JointFrames{}); } && c >= 0 && c < n.turns + n.slides;
+        has = requires { kind.coordinates(JointFrames{}); }
+        &&c >= 0 && c < n.turns + n.slides;
       });
     }
     return has;

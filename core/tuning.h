@@ -63,10 +63,10 @@ inline constexpr Real max_moved_back = 0.2;
 /// Share of a coordinate's pivot. A stiffer stop reverses the coordinate within the stage, and TR-BDF2
 /// discards its acceleration. tests/core/joint, stops.
 inline constexpr Real stiff_stop_share = 0.2;
-/// Effective mass of a rigid gear (61) or closing joint (62), as a multiple of its bodies'. A tool of links 1e5
-/// times heavier keeps three digits of it; larger ones cost digits of the factor. tests/core/term/test_gears.cc,
-/// test_loops.cc.
-inline constexpr Real rigid_mass_ratio = 1e8;
+/// K_rigid of gears (61) and closing joints (62), as a multiple of their bodies' effective mass. Each solve
+/// leaves 1 / K_rigid of a change of the multiplier; larger ratios cost digits of the factor.
+/// tests/core/term/test_gears.cc, test_loops.cc.
+inline constexpr Real rigid_mass_ratio = 1e6;
 /// Shares of a body's A in a stage, for the geometric stiffness (21), (40). It is ignored below the first. If
 /// more than the second is left out of A, TR-BDF2 discards its acceleration.
 /// tests/core/joint/test_contradicted_targets.cc, test_heavy_ends.cc.

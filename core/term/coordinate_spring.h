@@ -31,7 +31,8 @@ struct CoordinateSpringParams {
 template <class Scene>
 bool is_valid(const CoordinateSpringParams& par, const Scene& scene) noexcept {
   const auto is_number = [](Real x) noexcept { return x >= 0 && x - x == 0; };
-  bool valid = par.size >= 1 && par.size <= 2 && par.y_0 - par.y_0 == 0 && is_number(par.k) && is_number(par.g);
+  bool valid =
+      par.size >= 1 && par.size <= 2 && par.y_0 - par.y_0 == 0 && is_number(par.k) && is_number(par.g);
   for (std::uint32_t i = 0; valid && i < par.size; ++i)
     valid = scene.has_coordinate(par.of[i].body, par.of[i].c) && par.of[i].ratio - par.of[i].ratio == 0;
   return valid && (par.size == 1 || par.of[0].body != par.of[1].body || par.of[0].c != par.of[1].c);
@@ -50,7 +51,8 @@ Real effective_mass(const TermEnds& ends, const std::array<SpatialVector, TermEn
 }
 
 /// Spring in a stage (37): the impulse J - K y' along y, with y' at the end of the stage and K = h (h k + g).
-/// A rigid one is the limit of large k, which ends the stage at y = 0 like the joints (18).
+/// A rigid one ends the stage at y = 0 like the joints (18). Its impulse is a multiplier, found by the method
+/// of multipliers (62): the previous one, corrected by a large K.
 struct CoordinateSpringStage {
   TermEnds ends;
   std::array<SpatialVector, TermEnds::max> a;  // y' = sum a . V over the ends
@@ -68,9 +70,9 @@ struct CoordinateSprings {
 
   static TermEnds ends(const Stage& w) noexcept { return w.ends; }
 
-  /// Linearises a spring at the predicted coordinates.
+  /// Linearises a spring at the predicted coordinates. F: its force in the previous solve.
   template <class OfStage>
-  static void begin(const Param& par, const OfStage& stage, const Wrench&, Stage& w) noexcept {
+  static void begin(const Param& par, const OfStage& stage, const Wrench& F, Stage& w) noexcept {
     w = {};
     w.a.fill(SpatialVector::zero());
     Real y = -par.y_0, rate = 0;
@@ -89,7 +91,10 @@ struct CoordinateSprings {
     const Real h = stage.h;
     if (par.is_rigid) {
       w.K = rigid_mass_ratio * effective_mass(w.ends, w.a, stage.stages);
-      w.J = -w.K * (y / h - rate);
+      const SpatialVector F_0{.w = Column(F.tau), .v = Column(F.f)};
+      const Real along_sq = dot(w.along, w.along);
+      const Real multiplier = along_sq > 0 ? dot(w.along, F_0) / along_sq : 0;
+      w.J = h * multiplier - w.K * (y / h - rate);
     } else {
       w.K = h * (h * par.k + par.g);
       w.J = -h * par.k * (y - h * rate);
@@ -112,10 +117,9 @@ struct CoordinateSprings {
     std::size_t k = 0;
     w.ends.each_pair([&](std::uint32_t i, std::uint32_t j) noexcept {
       const SpatialVector Ka = w.a[i] * w.K, &a = w.a[j];
-      system.add_coupling(entries[k++], {.ww = outer(Ka.w, a.w),
-                                         .wv = outer(Ka.w, a.v),
-                                         .vw = outer(Ka.v, a.w),
-                                         .vv = outer(Ka.v, a.v)});
+      system.add_coupling(
+          entries[k++],
+          {.ww = outer(Ka.w, a.w), .wv = outer(Ka.w, a.v), .vw = outer(Ka.v, a.w), .vv = outer(Ka.v, a.v)});
     });
   }
   template <class Twists, class F>
@@ -137,7 +141,8 @@ struct CoordinateSprings {
   template <class At>
   static Real deviation(const Param& par, const At& at) noexcept {
     Real y = -par.y_0;
-    for (std::uint32_t i = 0; i < par.size; ++i) y += par.of[i].ratio * at.coordinate(par.of[i].body, par.of[i].c);
+    for (std::uint32_t i = 0; i < par.size; ++i)
+      y += par.of[i].ratio * at.coordinate(par.of[i].body, par.of[i].c);
     return y;
   }
 

@@ -28,8 +28,8 @@ template <class Scene>
 bool is_valid(const DampedSpringParams& par, const Scene& scene) noexcept {
   const auto is_number = [](Real x) noexcept { return x >= 0 && x - x == 0; };
   const Real p = par.a.p.sum() + par.b.p.sum();
-  return (par.a.on == TermEnds::on_world || scene.exists(par.a.on)) && scene.exists(par.b.on) && par.a.on != par.b.on &&
-         p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
+  return (par.a.on == TermEnds::on_world || scene.exists(par.a.on)) && scene.exists(par.b.on) &&
+         par.a.on != par.b.on && p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
 }
 
 /// Spring in a stage (37): the impulse J - K x' on b, with x' at the end of the stage. K = h (h K_s + G),

@@ -25,10 +25,11 @@ bool is_valid(const LoopJointParams& par, const Scene& scene) noexcept {
 
 /// Closing joint in a stage. The impulse on b at its anchor, for the twist V of b against a there, is
 ///
-///   (62)  J - K V,  K = K_rigid L^T L,  J = K beta
+///   (62)  h F_0 + K (beta - V),  K = K_rigid L^T L
 ///
-/// with L the constrained directions and L beta the twist that undoes the violation (18). K_rigid is so large
-/// that the impulse is the multiplier of the constraint; redundant directions share it.
+/// with L the constrained directions, L beta the twist that undoes the violation (18), and F_0 the multiplier
+/// of the previous solve (method of multipliers, Hestenes 1969). The violation is then that of the change of
+/// F_0 alone, and K_rigid need not be so large that it costs digits. Redundant directions share the force.
 struct LoopJointStage {
   std::uint32_t a = TermEnds::on_world, b = 0;
   Column r_a, r_b;  // anchor from the centres of mass, world axes
@@ -58,18 +59,20 @@ struct LoopJoints {
     const bool between = par.a != TermEnds::on_world;
     const TreePlace A = between ? stage.at[par.a] : TreePlace{}, &B = stage.at[par.b];
     const Vec3 r_b = B.R_WB * par.C.p, a_W = B.p_W + r_b;
-    const JointAt now = joint_at({.kind = par.kind, .parent = 0, .P = par.P, .C = par.C}, A,
-                                 {.p_W = B.p_W,
-                                  .R_WB = B.R_WB,
-                                  .a_W = a_W,
-                                  .V = {.w = B.V.w, .v = B.V.v + B.V.w.cross(a_W - B.a_W)}});
+    const JointAt now = joint_at(
+        {.kind = par.kind, .parent = 0, .P = par.P, .C = par.C}, A,
+        {.p_W = B.p_W, .R_WB = B.R_WB, .a_W = a_W, .V = {.w = B.V.w, .v = B.V.v + B.V.w.cross(a_W - B.a_W)}});
     const auto& of_b = stage.stages[par.b];
     Real M = of_b.M, I = mean_of(of_b.A_ww);
     if (between) {
       M = std::min(M, stage.stages[par.a].M);
       I = std::min(I, mean_of(stage.stages[par.a].A_ww));
     }
-    w = {.a = par.a, .b = par.b, .r_a = Column(Vec3(a_W - A.p_W)), .r_b = Column(r_b), .F_0 = Column(F.f)};
+    w.a = par.a;
+    w.b = par.b;
+    w.r_a = Column(Vec3(a_W - A.p_W));
+    w.r_b = Column(r_b);
+    w.F_0 = Column(F.f);
     with_joint(par.kind, [&](auto kind) noexcept {
       const auto m = kind.motion(now.X);
       const Twist beta = across(m, AtPrediction::beta(m, now.V, par.C.p.squaredNorm(), stage.h));
@@ -79,7 +82,8 @@ struct LoopJoints {
       for (const Vec3& s : m.slide) moves -= s * s.transpose();
       const Real K_w = rigid_mass_ratio * I, K_v = rigid_mass_ratio * M;
       w.K = {.ww = block_of(K_w * turns), .wv = Block::zero(), .vv = block_of(K_v * moves)};
-      w.J = {.w = Column(Vec3(K_w * beta.w)), .v = Column(Vec3(K_v * beta.v))};
+      w.J = {.w = Column(Vec3(turns * (K_w * beta.w + stage.h * F.tau))),
+             .v = Column(Vec3(moves * (K_v * beta.v + stage.h * F.f)))};
     });
   }
   /// Calls f(u, r, force at r on u in the previous solve).

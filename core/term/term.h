@@ -55,10 +55,10 @@ struct TermEdge : TermEnds {
 
 /// Coordinate of a joint at the predicted end of a stage.
 struct CoordinateAt {
-  Real q = 0, rate = 0;        // rad or m, turns counted, and its derivative
-  Vec3 s_W = Vec3::Zero();     // axis, unit
-  Vec3 a_W = Vec3::Zero();     // anchor on the child
-  bool is_turn = true;         // false: translation
+  Real q = 0, rate = 0;     // rad or m, turns counted, and its derivative
+  Vec3 s_W = Vec3::Zero();  // axis, unit
+  Vec3 a_W = Vec3::Zero();  // anchor on the child
+  bool is_turn = true;      // false: translation
   std::uint32_t child = 0, parent = TermEnds::on_world;
 
   /// Returns the covector a of the coordinate's rate, a . V, for the twist V of the child at its centre of
@@ -100,7 +100,7 @@ struct TermList {
   static constexpr std::size_t max_entries =
       ((Kinds::max * (Kinds::max_ends * (Kinds::max_ends - 1) / 2)) + ... + 0);
   static constexpr bool on_coordinates = (Kinds::on_coordinates || ...);
-  using State = TermForces<max_terms>;  // of the last stage
+  using State = TermForces<max_terms>;   // of the last stage
   using Output = TermForces<max_terms>;  // means over the step
   /// Parameters, constant during a run.
   struct Params {
