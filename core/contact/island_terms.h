@@ -5,6 +5,15 @@
 
 namespace godobject {
 
+/// Makes the bodies of a joint one tool.
+template <class Contacts, std::size_t N>
+void join_tools(const TermEnds& ends, BodyContactScratch<Contacts, N>& w) noexcept {
+  if (ends.size < 2) return;
+  const std::uint32_t kept = w.finder.owned[ends.list[0]].tree, joined = w.finder.owned[ends.list[1]].tree;
+  for (auto& owned : w.finder.owned)
+    if (owned.tree == joined) owned.tree = kept;
+}
+
 /// Linearises the terms at the predicted end of the stage, for velocities relative to V_p of jointed bodies,
 /// and adds the graph's edges. forces: of the terms in the previous solve. coordinate(i, c): coordinate c of
 /// the joint of body i at the predicted end.
@@ -28,6 +37,7 @@ void begin_terms(const typename Contacts::Terms::Params& par, const TermForces<m
         w.stages[u].b.w += K * w_W;
       });
       if constexpr (Contacts::jointed) kind.shift(w.graph.joints.V_p, stage);
+      if constexpr (kind.is_joint) join_tools(kind.ends(stage), w);
       w.graph.terms[w.graph.num_terms++] = {kind.ends(stage)};
     }
   });

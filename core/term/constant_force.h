@@ -27,7 +27,7 @@ struct ConstantForceStage {
 template <std::size_t max_>
 struct ConstantForces {
   static constexpr std::size_t max = max_, max_ends = 1;
-  static constexpr bool on_coordinates = false;
+  static constexpr bool on_coordinates = false, is_joint = false;
   using Param = ConstantForceParams;
   using Stage = ConstantForceStage;
 

@@ -64,7 +64,7 @@ struct CoordinateSpringStage {
 template <std::size_t max_>
 struct CoordinateSprings {
   static constexpr std::size_t max = max_, max_ends = TermEnds::max;
-  static constexpr bool on_coordinates = true;
+  static constexpr bool on_coordinates = true, is_joint = false;
   using Param = CoordinateSpringParams;
   using Stage = CoordinateSpringStage;
 

@@ -47,7 +47,7 @@ struct SpringStage {
 template <std::size_t max_>
 struct DampedSprings {
   static constexpr std::size_t max = max_, max_ends = 2;
-  static constexpr bool on_coordinates = false;
+  static constexpr bool on_coordinates = false, is_joint = false;
   using Param = DampedSpringParams;
   using Stage = SpringStage;
 

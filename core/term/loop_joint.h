@@ -1,5 +1,5 @@
-// Term: joints that close loops. The tree of the scene's joints is eliminated (33); a joint between two of
-// its bodies is a term that holds the constrained directions, as (18) holds the others.
+// Term: joints that close loops. The joints of the tree are eliminated (33). A further joint between two of
+// its bodies is a term, which holds the constrained directions as (18) does.
 #pragma once
 
 #include "core/joint/list.h"
@@ -42,7 +42,7 @@ struct LoopJointStage {
 template <std::size_t max_>
 struct LoopJoints {
   static constexpr std::size_t max = max_, max_ends = 2;
-  static constexpr bool on_coordinates = false;
+  static constexpr bool on_coordinates = false, is_joint = true;
   using Param = LoopJointParams;
   using Stage = LoopJointStage;
 

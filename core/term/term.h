@@ -4,11 +4,17 @@
 //   using Terms = TermList<DampedSprings<4>, CoordinateSprings<2>>;
 //
 // Kinds of terms are a file each, such as damped_spring.h; this file has the list of the kinds of a scene.
-// Members of a kind: max, the capacity for its terms; max_ends, the largest number of bodies and nodes of a
-// term; Param, the parameters of one term; Stage, the data of one term in a stage.
-// ends(): bodies and nodes that it couples. begin(): linearises it about the predicted end of the stage.
-// load(): adds it to the block system. each_impulse(): its impulses at the velocities of the end. force():
-// the wrench on its last end, about its point, as an impulse.
+// Members of a kind:
+//   max             capacity for its terms
+//   max_ends        largest number of bodies and nodes of a term
+//   on_coordinates  true if it acts on coordinates of joints
+//   is_joint        true if its bodies become one tool, whose bodies do not touch each other
+//   Param, Stage    parameters of a term, and its data in a stage
+//   ends()          bodies and nodes that it couples
+//   begin()         linearises it about the predicted end of the stage
+//   load()          adds it to the block system
+//   each_impulse()  its impulses at the velocities of the end
+//   force()         impulse on its last end, about its point
 #pragma once
 
 #include <algorithm>
@@ -58,7 +64,7 @@ struct CoordinateAt {
   Real q = 0, rate = 0;     // rad or m, turns counted, and its derivative
   Vec3 s_W = Vec3::Zero();  // axis, unit
   Vec3 a_W = Vec3::Zero();  // anchor on the child
-  bool is_turn = true;      // false: translation
+  bool is_turn = true;      // true for a rotation
   std::uint32_t child = 0, parent = TermEnds::on_world;
 
   /// Returns the covector a of the coordinate's rate, a . V, for the twist V of the child at its centre of

@@ -10,6 +10,7 @@
 #include "hal/rig/watchdog.h"
 #include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/net/params.h"
 
 namespace godobject {
@@ -108,6 +109,28 @@ void add_contacts(const SceneConfig& scene, const Composition& c, std::vector<st
     lines.push_back(line("top speed", "%s", text.c_str()));
 }
 
+void add_terms(const SceneConfig& scene, std::vector<std::string>& lines) {
+  const auto add = [](std::string& text, std::size_t n, const char* one) {
+    if (n > 0) text += (text.empty() ? "" : ", ") + number_of(n, one);
+  };
+  std::string text;
+  const TermCounts counts = term_counts(scene);
+  add(text, scene.springs.size(), "spring");
+  add(text, counts.coordinate_springs - scene.gears.size(), "joint spring");
+  add(text, scene.gears.size(), "gear");
+  add(text, scene.loops.size(), "closing joint");
+  add(text, scene.forces.size(), "force");
+  if (!text.empty()) lines.push_back(line("forces", "%s", text.c_str()));
+  const Mobility mobility = mobility_at_start(scene);
+  if (mobility.num_constraints == 0) return;
+  text = number_of(mobility.num_freedoms, "degree") + " of freedom; " +
+         number_of(mobility.num_constraints, "constraint") + " by closing joints and rigid gears";
+  if (mobility.num_redundant > 0)
+    text += ", " + std::to_string(mobility.num_redundant) +
+            " of them redundant: how the joints share these forces is arbitrary";
+  lines.push_back(line("", "%s", text.c_str()));
+}
+
 void add_nets(const Session& session, std::vector<std::string>& lines) {
   const SceneNets& nets = session.engine().nets();
   if (nets.nodes.empty()) return;
@@ -168,7 +191,7 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
   lines.push_back(
       line("scene", "%s: '%s', %s, %s", options.scene.c_str(), scene.name.c_str(),
            scene.bodies.size() == 1 ? "1 body" : (std::to_string(scene.bodies.size()) + " bodies").c_str(),
-           number_of(scene.joints.size(), "joint").c_str()));
+           number_of(scene.joints.size() + scene.loops.size(), "joint").c_str()));
   lines.push_back(line("composition", "'%s', %zu bytes", composition.name.c_str(), composition.bytes()));
   lines.push_back(line("time", "%g s in steps of %g s, %s",
                        static_cast<double>(prepared.plan.num_cycles) * scene.step, scene.step,
@@ -183,6 +206,7 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
                          load.worst_percent, load.nominal_percent));
   add_times_to_zero(prepared, lines);
   add_contacts(scene, composition, lines);
+  add_terms(scene, lines);
   add_nets(session, lines);
   return lines;
 }

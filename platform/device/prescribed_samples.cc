@@ -8,7 +8,7 @@ PrescribedSamples::PrescribedSamples(const SceneConfig& scene) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   if (!driven.empty()) first_driven_ = driven.front();
   for (const JointConfig& joint : scene.joints) {
-    if (!joint.imposed) continue;
+    if (!joint.prescribed) continue;
     const std::vector<DeviceJoint>& device = device_tree(scene)->joints;
     Joint prescribed{.body = *body_named(scene, joint.child), .num_coordinates = joint.coordinates.size()};
     prescribed.driven = scene.bodies[prescribed.body].coupling.has_value();

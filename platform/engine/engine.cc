@@ -21,6 +21,9 @@ std::vector<CompositionRow> table() {
 #ifdef GODOBJECT_HAS_COMPOSITIONS_many
   add_many(rows);
 #endif
+#ifdef GODOBJECT_HAS_COMPOSITIONS_terms
+  add_terms(rows);
+#endif
   std::stable_sort(rows.begin(), rows.end(), [](const CompositionRow& a, const CompositionRow& b) {
     return a.composition.bytes() < b.composition.bytes();
   });
@@ -29,7 +32,7 @@ std::vector<CompositionRow> table() {
 
 /// Requirements of a scene on a composition. Couplings, feedback and devices are in every composition.
 struct Needs {
-  bool joints = false, nets = false;
+  bool joints = false, nets = false, terms = false;
   ContactScope contacts = ContactScope::none;
   ContactCounts counts;  // of these contacts
 };
@@ -37,6 +40,7 @@ struct Needs {
 Needs needs_of(const SceneConfig& scene) {
   Needs needs{.joints = !scene.joints.empty(),
               .nets = !scene.nets.empty(),
+              .terms = term_counts(scene).most() > 0,
               .contacts = contact_scope(scene),
               .counts = {}};
   if (needs.contacts != ContactScope::none) needs.counts = contact_counts(scene);
@@ -51,14 +55,14 @@ bool covers(ContactScope has, ContactScope needed) {
 
 bool has_room_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
   return scene.bodies.size() <= c.max_bodies && needs.counts.spheres <= c.max_spheres &&
-         needs.counts.surfaces <= c.max_surfaces;
+         needs.counts.surfaces <= c.max_surfaces && (!c.terms || term_counts(scene).most() <= c.max_terms);
 }
 
-/// True if the composition has all parts of the scene, in any number. Compositions with nets have contacts
-/// too, needed or not.
+/// True if the composition has all parts of the scene, in any number. Compositions with nets or terms have
+/// contacts too, needed or not.
 bool has_parts_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
-  return c.integrator == scene.integrator && c.has_nets() == needs.nets &&
-         (needs.nets || covers(c.contacts, needs.contacts)) && (c.joints || !needs.joints);
+  return c.integrator == scene.integrator && c.has_nets() == needs.nets && c.terms == needs.terms &&
+         (needs.nets || needs.terms || covers(c.contacts, needs.contacts)) && (c.joints || !needs.joints);
 }
 
 /// Lists the scene's numbers that exceed every candidate, with the largest capacity.
@@ -74,6 +78,12 @@ std::string too_many(const std::vector<Composition>& candidates, const Needs& ne
   add(scene.bodies.size(), "bodies", &Composition::max_bodies);
   add(needs.counts.spheres, "spheres", &Composition::max_spheres);
   add(needs.counts.surfaces, "surfaces of obstacles and shapes", &Composition::max_surfaces);
+  const std::size_t terms = term_counts(scene).most();
+  if (const std::size_t room = std::ranges::max_element(candidates, {}, &Composition::max_terms)->max_terms;
+      terms > room)
+    text += (text.empty() ? "" : ", ") + std::to_string(terms) +
+            " springs, forces, gears or closing joints; the largest holds " + std::to_string(room) +
+            " of each";
   return text.empty() ? "all its bodies, spheres and surfaces at once" : text;
 }
 
@@ -87,6 +97,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   };
   add(needs.joints, "joints");
   add(needs.nets, "nets");
+  add(needs.terms, "springs, forces, gears or loops");
   add(needs.contacts == ContactScope::obstacles, "contacts with obstacles");
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +

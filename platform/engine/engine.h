@@ -89,6 +89,9 @@ struct Composition {
   std::vector<PartBytes> parts;  // those that have storage
 
   std::size_t all_contacts() const noexcept { return max_contacts + max_node_contacts; }
+  bool terms = false;  // true if it has springs, gears, closing joints and forces, max_terms of each
+  std::size_t max_terms = 0;
+
   bool has_nets() const noexcept { return max_nodes > 0; }
   std::size_t bytes() const noexcept { return params_bytes + state_bytes + scratch_bytes; }
 };
@@ -116,6 +119,10 @@ class Engine {
   virtual std::size_t net_nodes(std::span<Vec3> p_W) const noexcept = 0;
   /// Largest ratio l / l_0 of all net springs after the last step; 0 without nets.
   virtual double net_stretch() const noexcept = 0;
+  /// Writes the wrenches of springs, gears and closing joints, means over the last step, in the order of
+  /// term_names(), as far as F_W has space. Each is on the second end about its point, in world axes; that of
+  /// a gear acts along coordinate b. Real-time.
+  virtual void term_forces(std::span<Wrench> F_W) const noexcept = 0;
   virtual std::uint64_t state_hash() const noexcept = 0;
 };
 
@@ -130,6 +137,7 @@ struct CompositionRow {
 void add_free(std::vector<CompositionRow>& table);
 void add_contacts(std::vector<CompositionRow>& table);
 void add_many(std::vector<CompositionRow>& table);
+void add_terms(std::vector<CompositionRow>& table);
 
 /// Returns every composition compiled into this program, smallest first.
 std::vector<Composition> compositions();

@@ -87,7 +87,7 @@ typename Joints::Params joint_params_of(const SceneConfig& scene, const JointCon
       for (std::size_t i = 0; i < joint.coordinates.size(); ++i)
         if (joint.coordinates[i] == stop.coordinate) par.stop.stops[i] = stop.params;
   }
-  if constexpr (uses<typename Joints::Prescribed>) par.motion.prescribed = joint.imposed;
+  if constexpr (uses<typename Joints::Prescribed>) par.motion.prescribed = joint.prescribed;
   return par;
 }
 
@@ -136,6 +136,52 @@ Params<S> params_of(const SceneConfig& scene) {
   return par;
 }
 
+/// Returns the share of a named coordinate.
+inline CoordinateShare share_of(const SceneConfig& scene, const std::string& name, Real ratio) {
+  const CoordinateOfJoint q = coordinate_named(scene, name);
+  return {.body = static_cast<std::uint32_t>(*body_named(scene, q.joint->child)),
+          .c = static_cast<int>(q.number),
+          .ratio = ratio};
+}
+inline std::uint32_t end_of(const SceneConfig& scene, const std::string& body) {
+  const std::optional<std::size_t> i = body_named(scene, body);
+  return i ? static_cast<std::uint32_t>(*i) : TermEnds::on_world;
+}
+
+/// Sets springs, gears and springs of joints, closing joints, and forces, which are the kinds of ToolTerms.
+template <class Terms>
+void set_terms(const SceneConfig& scene, Terms& terms) {
+  const auto add = [](auto& of, const auto& one) { of.list.at(of.size++) = one; };
+  for (const SpringConfig& s : scene.springs)
+    add(terms.template of<0>(), DampedSpringParams{.a = {.on = end_of(scene, s.a), .p = s.p_A},
+                                                   .b = {.on = end_of(scene, s.b), .p = s.p_B},
+                                                   .k = s.k,
+                                                   .g = s.g,
+                                                   .l_0 = s.rest_length.value_or(0)});
+  for (const GearConfig& g : scene.gears)
+    add(terms.template of<1>(),
+        CoordinateSpringParams{.of = {{share_of(scene, g.a, -g.ratio), share_of(scene, g.b, 1)}},
+                               .size = 2,
+                               .y_0 = g.offset.value_or(0),
+                               .k = g.stiffness.value_or(0),
+                               .g = g.damping,
+                               .is_rigid = !g.stiffness});
+  for (const JointConfig& joint : scene.joints)
+    for (const JointSpringConfig& s : joint.springs)
+      add(terms.template of<1>(),
+          CoordinateSpringParams{
+              .of = {{share_of(scene, s.coordinate, 1), {}}}, .size = 1, .y_0 = s.rest, .k = s.k, .g = s.g});
+  for (const JointConfig& joint : scene.loops)
+    add(terms.template of<2>(), LoopJointParams{.kind = joint.kind,
+                                                .a = end_of(scene, joint.parent),
+                                                .b = end_of(scene, joint.child),
+                                                .P = joint_frame(joint.X_BP),
+                                                .C = joint_frame(joint.X_BC)});
+  for (const ForceConfig& f : scene.forces)
+    add(terms.template of<3>(),
+        ConstantForceParams{.at = {.on = end_of(scene, f.body), .p = f.p_B}, .F_W = f.F_W});
+}
+
 template <Scene S>
 constexpr ContactScope scope_of() noexcept {
   if constexpr (!uses<ContactsOf<S>>) return ContactScope::none;
@@ -151,6 +197,10 @@ class EngineOf final : public Engine {
     if constexpr (uses<ContactsOf<S>>) {
       contacts_ = scene_contacts(scene);
       set_contact_params(contacts_, par_.contacts);
+    }
+    if constexpr (uses<TermsOf<S>>) {
+      set_terms(scene, par_.terms);
+      num_gears_ = scene.gears.size();
     }
     if constexpr (uses<NetOf<S>>) {
       nets_ = scene_nets(scene);
@@ -279,6 +329,20 @@ class EngineOf final : public Engine {
     return most;
   }
 
+  void term_forces(std::span<Wrench> F_W) const noexcept override {
+    if constexpr (uses<TermsOf<S>>) {
+      std::size_t n = 0, first = 0;
+      const auto add = [&](std::size_t reported, std::size_t size) {
+        for (std::size_t t = 0; t < reported && n < F_W.size(); ++t) F_W[n++] = out_.terms.list[first + t];
+        first += size;
+      };
+      const auto& kinds = par_.terms.of_kinds;
+      add(std::get<0>(kinds).size, std::get<0>(kinds).size);
+      add(num_gears_, std::get<1>(kinds).size);
+      add(std::get<2>(kinds).size, std::get<2>(kinds).size);
+    }
+  }
+
   std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
 
  private:
@@ -292,6 +356,7 @@ class EngineOf final : public Engine {
   Output<S> out_;
   EnergyBalance<S> balance_;
   std::uint64_t tick_ = 0;
+  std::size_t num_gears_ = 0;                 // before the springs of joints among the springs on coordinates
   std::array<Target, S::max_bodies> before_;  // previous valid target, for increments
 };
 

@@ -7,6 +7,8 @@
 
 namespace godobject {
 
+inline constexpr std::size_t max_tool_terms = 64;  // of each kind
+
 /// Returns the bytes of each part of a composition.
 template <Scene S>
 std::vector<PartBytes> parts_of() {
@@ -39,6 +41,9 @@ std::vector<PartBytes> parts_of() {
   if constexpr (uses<ContactsOf<S>>)
     parts.push_back({"contacts", sizeof(Params<S>::contacts), sizeof(State<S>::contacts),
                      sizeof(W::contacts) - net_scratch});
+  if constexpr (uses<TermsOf<S>>)
+    parts.push_back({"springs, gears and loops", sizeof(Params<S>::terms), sizeof(State<S>::terms),
+                     sizeof(W::contacts.terms)});
   if constexpr (uses<NetOf<S>>)
     parts.push_back({"nets", sizeof(Params<S>::net), sizeof(State<S>::net), sizeof(W::net) + net_scratch});
   return parts;
@@ -61,6 +66,10 @@ CompositionRow row(const std::string& name) {
     c.max_surfaces = Params<S>{}.contacts.surfaces.size();
     c.max_contacts = ContactsOf<S>::max_contacts;
   }
+  if constexpr (uses<TermsOf<S>>) {
+    c.terms = true;
+    c.max_terms = max_tool_terms;
+  }
   if constexpr (uses<NetOf<S>>) {
     c.max_nodes = S::Net::max_nodes;
     c.max_springs = S::Net::max_springs;
@@ -70,6 +79,10 @@ CompositionRow row(const std::string& name) {
   }
   return {std::move(c), make_engine_of<S>};
 }
+
+/// Springs, gears, closing joints and forces of a tool.
+using ToolTerms = TermList<DampedSprings<max_tool_terms>, CoordinateSprings<max_tool_terms>,
+                           LoopJoints<max_tool_terms>, ConstantForces<max_tool_terms>>;
 
 template <class I, std::size_t N, class Joints_ = None, class Contacts_ = None>
 struct Tool {

@@ -2,6 +2,7 @@
 // platform/engine/engine.cc selects a compiled composition of the core for it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -96,6 +97,14 @@ struct StopConfig {
   StopParams params{};     // an infinite end has no stop
 };
 
+/// Spring on one coordinate of a joint.
+struct JointSpringConfig {
+  std::string coordinate;  // name of the joint's coordinate
+  double k = 0;            // N m/rad or N/m
+  double g = 0;            // N m s/rad or N s/m
+  double rest = 0;         // rad or m
+};
+
 struct JointConfig {
   std::string name;
   JointKind kind = JointKind::hinge;
@@ -104,8 +113,39 @@ struct JointConfig {
   Pose X_BP;  // joint frame on the parent, in body axes about its centre of mass; on the world in the world
   Pose X_BC;  // joint frame on the child, in body axes about its centre of mass
   std::vector<std::string> coordinates;  // num_coordinates(kind) names: turns, then slides
-  bool imposed = false;  // true: the coordinates are prescribed by the device's joints of the same names
+  bool prescribed = false;  // true: the device's joints of the same names move the coordinates
   std::vector<StopConfig> stops;  // at most one for each coordinate
+  std::vector<JointSpringConfig> springs{};
+  // coordinates at t = 0, rad or m, which place the child; empty: those of the bodies' poses
+  std::array<std::optional<double>, 2> start{};
+};
+
+/// Spring with damper between points of two bodies, or of the world and a body.
+struct SpringConfig {
+  std::string name;
+  std::string a = world_name, b;                // names of bodies; a may be world_name
+  Vec3 p_A = Vec3::Zero(), p_B = Vec3::Zero();  // points, m; body axes about the centre of mass, or world
+  double k = 0;                                 // N/m
+  double g = 0;                                 // N s/m
+  std::optional<double> rest_length{};          // m
+};
+
+/// Constant force in world axes.
+struct ForceConfig {
+  std::string name;
+  std::string body;
+  Vec3 p_B = Vec3::Zero();  // point, m, body axes about the centre of mass
+  Vec3 F_W = Vec3::Zero();  // N
+};
+
+/// Gear between two coordinates of joints, q_b = ratio q_a + offset.
+struct GearConfig {
+  std::string name;
+  std::string a, b;  // names of coordinates
+  double ratio = 1;
+  std::optional<double> offset{};     // rad or m
+  std::optional<double> stiffness{};  // N m/rad or N/m; empty: rigid
+  double damping = 0;                 // N m s/rad or N s/m
 };
 
 /// One coordinate of a built-in motion: offset + amplitude sin(2 pi f t + phase).
@@ -145,9 +185,13 @@ struct SceneConfig {
   double duration = 10;  // s
   std::string integrator = "tr-bdf2";
   CouplingMode coupling = CouplingMode::god_object;
-  Vec3 gravity = Vec3::Zero();      // m/s^2
-  std::vector<BodyConfig> bodies;   // parents before children
-  std::vector<JointConfig> joints;  // a tree: each body is the child of at most one joint
+  Vec3 gravity = Vec3::Zero();       // m/s^2
+  std::vector<BodyConfig> bodies;    // parents before children
+  std::vector<JointConfig> joints;   // a tree: each body is the child of at most one joint
+  std::vector<JointConfig> loops{};  // joints that close loops of the tree
+  std::vector<SpringConfig> springs{};
+  std::vector<ForceConfig> forces{};
+  std::vector<GearConfig> gears{};
   std::vector<NetConfig> nets{};
   int net_iterations = NetParams<1, 1>{}.max_iterations;  // largest number in a stage, for all nets
   std::vector<ObstacleConfig> obstacles;
@@ -175,6 +219,41 @@ inline std::optional<std::size_t> body_named(const SceneConfig& scene, const std
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     if (scene.bodies[i].name == name) return i;
   return std::nullopt;
+}
+
+/// Coordinate of a joint of the scene.
+struct CoordinateOfJoint {
+  const JointConfig* joint = nullptr;  // null: no joint has a coordinate of this name
+  std::size_t number = 0;
+};
+inline CoordinateOfJoint coordinate_named(const SceneConfig& scene, const std::string& name) {
+  for (const JointConfig& joint : scene.joints)
+    for (std::size_t c = 0; c < joint.coordinates.size(); ++c)
+      if (joint.coordinates[c] == name) return {&joint, c};
+  return {};
+}
+
+/// Returns the names of springs, gears and closing joints, whose forces a run reports, in its order.
+inline std::vector<std::string> term_names(const SceneConfig& scene) {
+  std::vector<std::string> names;
+  for (const SpringConfig& spring : scene.springs) names.push_back(spring.name);
+  for (const GearConfig& gear : scene.gears) names.push_back(gear.name);
+  for (const JointConfig& loop : scene.loops) names.push_back(loop.name);
+  return names;
+}
+
+/// Numbers of springs, forces and the like, by kind of the core's term.
+struct TermCounts {
+  std::size_t springs = 0, coordinate_springs = 0, loops = 0, forces = 0;
+  std::size_t most() const { return std::max({springs, coordinate_springs, loops, forces}); }
+};
+inline TermCounts term_counts(const SceneConfig& scene) {
+  TermCounts n{.springs = scene.springs.size(),
+               .coordinate_springs = scene.gears.size(),
+               .loops = scene.loops.size(),
+               .forces = scene.forces.size()};
+  for (const JointConfig& joint : scene.joints) n.coordinate_springs += joint.springs.size();
+  return n;
 }
 
 /// True if the device grips and releases coupled bodies, one at a time; otherwise it is tied to them.

@@ -61,6 +61,7 @@ struct CycleRecord {
   PoseError exact_following;  // its body against the handle
   PoseError encoders;         // body against the reference engine's body
   EnergyReport energy;
+  std::vector<Wrench> term_forces;  // of springs, gears and closing joints: Engine::term_forces()
   // Contacts that bear a force, with space for the maximum number. Empty unless the session lists them.
   std::vector<ContactView> touching;
   std::size_t num_touching = 0;

@@ -82,6 +82,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.energy = engine_->energy();
   record.num_touching = engine_->contacts(record.touching);
   engine_->net_nodes(record.net_nodes);
+  engine_->term_forces(record.term_forces);
   record.net_stretch = engine_->net_stretch();
   observe_device(record);
   if (!follows()) return;
@@ -199,6 +200,7 @@ CycleRecord Session::at_start() const {
   record.bodies.resize(scene_.bodies.size());
   record.targets.resize(std::min(motion_.num_bodies(), driven_.size()));
   record.joint_q.resize(joint_coordinates_.size());
+  record.term_forces.resize(term_names(scene_).size());
   if (scene_.device && scene_.device->rig) {
     record.device_q.resize(scene_.device->rig->tree.joints.size());
     record.drive_torque.resize(scene_.device->rig->drives.size());

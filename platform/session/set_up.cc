@@ -11,7 +11,7 @@ void check_motion_of_joints(const SceneConfig& scene, const Motion& motion, bool
                             std::vector<std::string>& errors) {
   if (motion.has_joints() || real) return;
   for (const JointConfig& joint : scene.joints)
-    if (joint.imposed)
+    if (joint.prescribed)
       errors.push_back(
           "joint '" + joint.name +
           "' is imposed: the motion must be one of the device's joints; give --motion a column for "

@@ -66,6 +66,8 @@ std::vector<std::string> trace_columns(const SceneConfig& scene) {
   for (const JointConfig& joint : scene.joints) {
     for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) columns.push_back(joint.name + "." + name);
   }
+  for (const std::string& term : term_names(scene))
+    for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"}) columns.push_back(term + "." + name);
   for (const std::size_t body : touchable_bodies(scene)) {
     for (const char* name : {"fx", "fy", "fz", "tx", "ty", "tz"})
       columns.push_back(scene.bodies[body].name + ".contact." + name);

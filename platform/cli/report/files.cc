@@ -76,7 +76,7 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   for (const JointConfig& joint : scene.joints) children_.push_back(*body_named(scene, joint.child));
   bodies_.resize(scene.bodies.size());
   pulls_.resize(driven_.size());
-  joints_.resize(children_.size());
+  joints_.resize(children_.size() + term_names(scene).size());
   const auto into = [this](std::optional<BackgroundFile>& file, const std::string& path) {
     file.emplace(path, waiting_bytes);
     return CsvRows::Sink([this, &file](std::string_view text) { return file->write(text, patience_); });
@@ -133,6 +133,7 @@ void RunFiles::add_row(const CycleRecord& record) {
     pulls_[i] = {.coupling = body.coupling_B, .feedback = body.feedback_D, .X_WD = body.target.X_WD};
   }
   for (std::size_t i = 0; i < children_.size(); ++i) joints_[i] = record.bodies[children_[i]].joint_C;
+  std::ranges::copy(record.term_forces, joints_.begin() + static_cast<std::ptrdiff_t>(children_.size()));
   trace_->row(
       record.t, bodies_, pulls_, joints_,
       {.contacts = record.contacts,

@@ -97,12 +97,14 @@ bool meets(const SceneConfig& scene, const std::vector<std::size_t>& tool, const
 std::vector<std::size_t> tools_of(const SceneConfig& scene) {
   std::vector<std::size_t> tool(scene.bodies.size());
   std::iota(tool.begin(), tool.end(), std::size_t{0});
-  for (const JointConfig& joint : scene.joints) {
-    const std::optional<std::size_t> parent = body_named(scene, joint.parent),
-                                     child = body_named(scene, joint.child);
-    if (!parent || !child) continue;
-    const auto [first, second] = std::minmax(tool[*parent], tool[*child]);
-    std::ranges::replace(tool, std::size_t{second}, std::size_t{first});
+  for (const auto* joints : {&scene.joints, &scene.loops}) {
+    for (const JointConfig& joint : *joints) {
+      const std::optional<std::size_t> parent = body_named(scene, joint.parent),
+                                       child = body_named(scene, joint.child);
+      if (!parent || !child) continue;
+      const auto [first, second] = std::minmax(tool[*parent], tool[*child]);
+      std::ranges::replace(tool, std::size_t{second}, std::size_t{first});
+    }
   }
   return tool;
 }

@@ -67,17 +67,32 @@ inline bool is_apart(const JointGap& gap) noexcept {
 /// Moves each child with a violated joint to satisfy it, together with its own children. Coordinates do not
 /// change. bodies: parents first.
 void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joints);
-/// Returns the coordinates of the joint at the start; zero for a kind without coordinates.
+/// Places the children of joints with coordinates `start`, and the bodies joined to them. bodies: parents
+/// first.
+void place_children(std::span<BodyConfig> bodies, std::span<const JointConfig> joints);
+/// Returns the coordinates of the joint at the start, in the turn between its stops; zero for a kind without
+/// coordinates.
 JointCoordinates coordinates_at_start(std::span<const BodyConfig> bodies, const JointConfig& joint);
 
-// Joints as edges between bodies. Joints that do not form a tree are rejected by name.
+/// Motions that joints, closing joints and rigid gears leave to the bodies at their places, to first order.
+struct Mobility {
+  std::size_t num_freedoms = 0;
+  std::size_t num_constraints = 0;  // of closing joints and rigid gears
+  std::size_t num_redundant = 0;    // of them, implied by the others; their forces are shared
+};
+Mobility mobility_at_start(const SceneConfig& scene);
+
+// Joints as edges between bodies.
 
 /// Adds joints one by one, each checked against the earlier ones.
 class JointTree {
  public:
-  /// Adds a joint whose bodies exist. Returns why it cannot form a tree with the earlier ones, with the
-  /// remedy; empty on success.
-  std::string add(const JointConfig& joint);
+  struct Added {
+    std::string why_not{};            // why the joint cannot be added, with the remedy; empty on success
+    std::vector<std::string> loop{};  // earlier joints with which it closes a loop; it is no part of the tree
+  };
+  /// Adds a joint whose bodies exist.
+  Added add(const JointConfig& joint);
 
  private:
   struct Edge {

@@ -157,28 +157,24 @@ double angular_gap(JointKind kind, const JointFrames& X) noexcept {
 
 // ---- tree -----------------------------------------------------------------------------------------
 
-std::string JointTree::add(const JointConfig& joint) {
+JointTree::Added JointTree::add(const JointConfig& joint) {
   if (joint.parent == joint.child)
-    return "joint '" + joint.name + "' joins body '" + joint.child +
-           "' to itself: give it another parent or child";
+    return {"joint '" + joint.name + "' joins body '" + joint.child +
+            "' to itself: give it another parent or child"};
   if (const auto joints = way(joint.parent, joint.child)) {
     if (joints->size() == 1)
-      return "joints '" + joints->front() + "' and '" + joint.name + "' both join '" + joint.parent +
-             "' and '" + joint.child +
-             "', which constrains some motion twice: remove one of them, or make them one joint of another "
-             "kind";
-    std::string names;
-    for (const std::string& name : *joints) names += "'" + name + "', ";
-    return "joints " + names + "'" + joint.name +
-           "' close a loop, but a tool must be a tree: remove one of them, or close the loop by couplings to "
-           "the device";
+      return {"joints '" + joints->front() + "' and '" + joint.name + "' both join '" + joint.parent +
+              "' and '" + joint.child +
+              "', which constrains some motion twice: remove one of them, or make them one joint of another "
+              "kind"};
+    return {"", *joints};
   }
   const auto earlier = std::ranges::find(edges_, joint.child, &Edge::child);
   if (earlier != edges_.end())
-    return "body '" + joint.child + "' is the child of joints '" + earlier->name + "' and '" + joint.name +
-           "': swap parent and child of one of them";
+    return {"body '" + joint.child + "' is the child of joints '" + earlier->name + "' and '" + joint.name +
+            "': swap parent and child of one of them"};
   edges_.push_back({.name = joint.name, .parent = joint.parent, .child = joint.child});
-  return "";
+  return {};
 }
 
 std::optional<std::vector<std::string>> JointTree::way(const std::string& from, const std::string& to) const {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <set>
 
+#include "core/math/rotation_error.h"
 #include "core/math/so3.h"
 #include "platform/scene/joint/joints.h"
 #include "platform/scene/scene.h"
@@ -17,6 +18,10 @@ inline std::string quoted(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
   return text;
+}
+
+inline double angle_between(const Quat& a, const Quat& b) {
+  return rotation_error(a, b, Vec3::Zero()).phi_B.norm();
 }
 
 /// Formats three digits for messages.
@@ -35,21 +40,26 @@ void visit_stop_end(V& v, const Key& key, double& end) {
   if (given) end = *given;
 }
 
+/// Visits the coordinate of a table of a joint. table: "stop" or "spring".
 template <class V>
-void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
+void visit_coordinate_of(V& v, const JointConfig& j, const std::string& table, std::string& name) {
   const bool only_one = j.coordinates.size() == 1, none = num_coordinates(j.kind) == 0;
-  if (s.coordinate.empty() && only_one) s.coordinate = j.coordinates.front();
+  if (name.empty() && only_one) name = j.coordinates.front();
   const Key coordinate{.name = "coordinate",
                        .unit = "",
                        .meaning = "one of the joint's coordinates",
                        .required = !only_one && !none,
                        .otherwise = "the only one"};
-  if (none) v.value(coordinate, s.coordinate);
-  else choose(v, coordinate, j.coordinates, s.coordinate);
-  v.check(
-      !none, "",
-      "joint '" + j.name +
-          "' has no coordinate for a stop: remove the [[joint.stop]] table, or use another kind of joint");
+  if (none) v.value(coordinate, name);
+  else choose(v, coordinate, j.coordinates, name);
+  v.check(!none, "",
+          "joint '" + j.name + "' has no coordinate for a " + table + ": remove the [[joint." + table +
+              "]] table, or use another kind of joint");
+}
+
+template <class V>
+void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
+  visit_coordinate_of(v, j, "stop", s.coordinate);
   visit_stop_end(v, Key{"lower", "rad or m", "lower end; turns are counted, beyond +-pi too"},
                  s.params.lower);
   visit_stop_end(v, Key{"upper", "rad or m", "upper end"}, s.params.upper);
@@ -109,9 +119,24 @@ void visit_coordinates(V& v, JointConfig& j) {
           "are " + std::to_string(j.coordinates.size()) + ": a joint of this kind has " + std::to_string(n));
   v.check(std::ranges::all_of(j.coordinates, is_plain_name), "coordinates",
           "must each be one or more letters, digits, '_' or '-'");
-  v.value(Key{"imposed", "", "prescribed by the device's joints of the same names"}, j.imposed);
-  v.check(!j.imposed || n > 0, "imposed", "has no meaning for a joint without named coordinates");
+  v.value(Key{"imposed", "", "prescribed by the device's joints of the same names"}, j.prescribed);
+  v.check(!j.prescribed || n > 0, "imposed", "has no meaning for a joint without named coordinates");
+  v.value(Key{.name = "start",
+              .unit = "rad or m",
+              .meaning = "first coordinate at t = 0, which places the child",
+              .otherwise = "that of the bodies' poses"},
+          j.start[0]);
+  v.value(Key{.name = "start_second",
+              .unit = "rad or m",
+              .meaning = "second coordinate",
+              .otherwise = "that of the bodies' poses"},
+          j.start[1]);
+  v.check(!j.start[0] || n > 0, "start", "has no meaning for a joint without named coordinates");
+  v.check(!j.start[1] || n > 1, "start_second", "has no meaning for a joint of one coordinate");
 }
+
+template <class V>
+void visit_joint_springs(V& v, JointConfig& j);
 
 template <class V>
 void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
@@ -127,8 +152,37 @@ void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig&
   v.tables(TableKey{"stop", "Springs at the ends of one coordinate."}, j.stops, [&](auto& t, StopConfig& s) {
     visit_stop(t, j, s);
     t.check(stopped.insert(s.coordinate).second, "coordinate", "has an earlier stop");
-    t.check(!j.imposed, "", "the joint is imposed, and a stop has no effect on it: remove one of them");
+    t.check(!j.prescribed, "", "the joint is imposed, and a stop has no effect on it: remove one of them");
   });
+  visit_joint_springs(v, j);
+}
+
+/// Checks a joint that closes a loop with earlier ones.
+template <class V>
+void check_loop(V& v, const JointConfig& j, const std::vector<std::string>& loop) {
+  const bool has_coordinates =
+      j.prescribed || !j.stops.empty() || !j.springs.empty() || j.start[0] || j.start[1];
+  v.check(!has_coordinates, "",
+          "joint '" + j.name + "' closes a loop with joints " + quoted(loop) +
+              ", and as the last of them it has no coordinate for stops, springs, imposed or start: list it "
+              "before one of the others");
+}
+
+/// Checks that a child placed by `start` has no other place.
+template <class V>
+void check_start(V& v, const std::vector<BodyConfig>& bodies, const JointConfig& j) {
+  const auto child = std::ranges::find(bodies, j.child, &BodyConfig::name);
+  const Pose& X = child->X_WB;
+  const bool placed = !X.p.isZero(0) || X.q.vec().norm() > 0;
+  if (!placed || !(j.start[0] || j.start[1])) return;
+  std::vector<BodyConfig> moved = bodies;
+  place_children(moved, std::span(&j, 1));
+  const Pose& by_start = moved[static_cast<std::size_t>(child - bodies.begin())].X_WB;
+  const bool agrees =
+      (by_start.p - X.p).norm() <= rounded_gap.m && angle_between(by_start.q, X.q) <= rounded_gap.rad;
+  v.check(
+      agrees, "start",
+      "places body '" + j.child + "' elsewhere than its own position and orientation: remove one of both");
 }
 
 /// Checks rules between joints, and between a joint and the poses of its bodies.
@@ -141,19 +195,31 @@ void visit_tool_joints(V& v, SceneConfig& s) {
   };
   std::set<std::string> names, coordinates;
   JointTree tree;
+  std::vector<JointConfig> all = s.joints;
+  all.insert(all.end(), s.loops.begin(), s.loops.end());
+  s.joints.clear();
+  s.loops.clear();
   v.tables(TableKey{"joint",
                     "A joint of two bodies, or of a body and the world. Its frames on both coincide at "
                     "coordinate zero.",
                     false, max_tables_of_bodies},
-           s.joints, [&](auto& t, JointConfig& j) {
+           all, [&](auto& t, JointConfig& j) {
              visit_tool_joint(t, bodies, j);
              t.check(names.insert(j.name).second, "name", "is the name of an earlier joint");
              for (const std::string& q : j.coordinates)
                t.check(coordinates.insert(q).second, "coordinates",
                        "has '" + q + "', which is the name of another coordinate: choose another");
-             if (!is_body(j.child) || !(j.parent == world_name || is_body(j.parent))) return;
-             const std::string why_not = tree.add(j);
-             t.check(why_not.empty(), "", why_not);
+             if (!is_body(j.child) || !(j.parent == world_name || is_body(j.parent)))
+               return s.joints.push_back(j);
+             const JointTree::Added added = tree.add(j);
+             t.check(added.why_not.empty(), "", added.why_not);
+             if (!added.loop.empty()) {
+               check_loop(t, j, added.loop);
+               return s.loops.push_back(j);
+             }
+             s.joints.push_back(j);
+             check_start(t, s.bodies, j);
+             if (j.start[0] || j.start[1]) return;
              const JointGap gap = gap_at_start(s.bodies, j);
              t.advise(!is_apart(gap), "",
                       "joint '" + j.name + "' is apart by " + rounded(gap.m) + " m and " + rounded(gap.rad) +
@@ -162,7 +228,15 @@ void visit_tool_joints(V& v, SceneConfig& s) {
                           "' there, or correct the frames of the joint");
            });
   s.bodies = parents_first(s.bodies, s.joints);
+  place_children(s.bodies, s.joints);
   close_gaps(s.bodies, s.joints);
+  for (const JointConfig& j : s.loops) {
+    const JointGap gap = gap_at_start(s.bodies, j);
+    v.check(
+        !is_apart(gap), "joint",
+        "'" + j.name + "' closes a loop, and its ends are " + rounded(gap.m) + " m and " + rounded(gap.rad) +
+            " rad apart with the bodies at their places: correct its frames, or the places of the bodies");
+  }
 }
 
 }  // namespace godobject

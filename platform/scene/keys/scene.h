@@ -13,6 +13,7 @@
 #include "platform/scene/keys/hand.h"
 #include "platform/scene/keys/joint.h"
 #include "platform/scene/keys/net.h"
+#include "platform/scene/keys/term.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/key.h"
 #include "platform/scene/toml.h"
@@ -249,7 +250,7 @@ template <class V>
 void check_prescribed_joints(V& v, const SceneConfig& s) {
   const std::vector<std::string> of_device = device_joints(s);
   for (const JointConfig& joint : s.joints) {
-    if (!joint.imposed) continue;
+    if (!joint.prescribed) continue;
     v.check(device_tree(s) != nullptr, "joint",
             "'" + joint.name + "' is imposed and requires a [device] with joints: add one");
     if (device_tree(s) == nullptr) continue;
@@ -302,6 +303,7 @@ void visit_scene(V& v, SceneConfig& s, const FaultChecks& checks) {
         t.check(b.name != world_name, "name", "is the name of the ground in joints: choose another name");
       });
   visit_tool_joints(v, s);
+  visit_terms(v, s);
   visit_nets(v, s);
   visit_contacts(v, s);
   std::vector<BusParams> buses = s.device && s.device->rig ? s.device->rig->buses : std::vector<BusParams>{};
