@@ -283,9 +283,10 @@ class UrdfReader {
       read_limit(e, owner, joint);
     else if (e.FirstChildElement("limit") != nullptr) ++robot_.left_out["<limit> of other joints"];
     if (const XMLElement* const mimic = child(e, "mimic", owner))
-      error(*mimic, owner +
-                        " follows another joint by <mimic>, and scenes have no gears: remove <mimic>; the "
-                        "joint then moves by itself, and a device or motion drives both");
+      joint.mimic = UrdfMimic{.at = place_of(*mimic),
+                              .joint = attribute(*mimic, "joint", owner),
+                              .multiplier = number(*mimic, "multiplier", owner, 1),
+                              .offset = number(*mimic, "offset", owner, 0)};
     leave_out_others(e, {"origin", "parent", "child", "axis", "limit", "mimic"},
                      {"dynamics", "calibration", "safety_controller"});
     robot_.joints.push_back(joint);

@@ -43,6 +43,8 @@ class UrdfScene {
     write_head();
     for (std::size_t i = urdf_ground + 1; i < groups_.size(); ++i) write_body(groups_[i]);
     for (std::size_t i = urdf_ground + 1; i < groups_.size(); ++i) write_joint(groups_[i]);
+    for (const UrdfGroup& group : groups_)
+      if (group.joint && group.joint->mimic) write_gear(*group.joint);
     write_obstacles();
     write_contact();
     return std::move(out_);
@@ -88,7 +90,9 @@ class UrdfScene {
                        ? text_of(Vec3(I.diagonal()), largest)
                        : "[" + text_of(Vec3(I.row(0)), largest) + ", " + text_of(Vec3(I.row(1)), largest) +
                              ", " + text_of(Vec3(I.row(2)), largest) + "]");
-    if (group.start != 0) comment("starts with joint " + group.joint->name + " at its limit nearest to zero");
+    if (group.start != 0)
+      comment("starts with joint " + group.joint->name +
+              (group.joint->mimic ? " where its <mimic> puts it" : " at its limit nearest to zero"));
     pose("", composed(group.X_W, {group.c, Quat::Identity()}));
     for (const auto& [link, joint, X_L] : group.links)
       for (const UrdfShape& shape : link->shapes) {
@@ -160,6 +164,17 @@ class UrdfScene {
     comment("chosen: the width is 1 % of the range; over it the stiffness bears the effort limit");
     key("stiffness", shortest(joint->limit->effort / (stop_width * range)));
     key("width", shortest(stop_width * range));
+  }
+
+  /// Writes the gear of a joint that follows another. Its offset is that of the coordinates at the start.
+  void write_gear(const UrdfJoint& joint) {
+    table("[[gear]]");
+    std::string title = joint.name + "_gear";
+    while (std::ranges::find(robot_.joints, title, &UrdfJoint::name) != robot_.joints.end()) title += "_";
+    name("name", title);
+    name("a", joint.mimic->joint);
+    name("b", joint.name);
+    key("ratio", shortest(joint.mimic->multiplier));
   }
 
   /// True if a body is joined to the link; an obstacle there would touch the body at its joint.

@@ -1,5 +1,6 @@
 // The tree of a robot description, and its links merged into bodies.
 #include <algorithm>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -45,6 +46,8 @@ class UrdfTree {
 
   std::vector<UrdfGroup> grouped() {
     for (const UrdfJoint& joint : robot_.joints) check_ends(joint);
+    for (const UrdfJoint& joint : robot_.joints)
+      if (joint.mimic && log_.ok()) check_mimic(joint);
     if (const UrdfLink* const root = checked_root()) add_tree(*root);
     if (log_.ok()) check_masses();
     return std::move(groups_);
@@ -62,6 +65,40 @@ class UrdfTree {
   const UrdfJoint* joint_of(const UrdfLink& child) const {
     const auto found = joints_.find(child.name);
     return found == joints_.end() ? nullptr : found->second;
+  }
+
+  const UrdfJoint* joint_named(const std::string& name) const {
+    const auto found = std::ranges::find(robot_.joints, name, &UrdfJoint::name);
+    return found == robot_.joints.end() ? nullptr : &*found;
+  }
+
+  /// Checks that a joint follows one that moves, and in the end one that follows none.
+  void check_mimic(const UrdfJoint& joint) {
+    const std::string owner = "joint " + excerpt(joint.name);
+    const auto refuse = [&](const std::string& why) { log_.error(joint.mimic->at, owner + why); };
+    const UrdfJoint* const leader = joint_named(joint.mimic->joint);
+    if (leader == nullptr)
+      return refuse(" follows joint " + excerpt(joint.mimic->joint) +
+                    " by <mimic>, which does not exist: name a joint of this robot");
+    if (!joint.moves() || !leader->moves())
+      return refuse(" and joint " + excerpt(leader->name) +
+                    " are joined by <mimic>, and one of them has no coordinate: remove <mimic>");
+    if (joint.mimic->multiplier == 0)
+      return refuse(" follows joint " + excerpt(leader->name) +
+                    " with multiplier 0: remove <mimic>, and make the joint a fixed one");
+    std::set<const UrdfJoint*> leaders{&joint};
+    for (const UrdfJoint* next = leader; next != nullptr && next->mimic;
+         next = joint_named(next->mimic->joint))
+      if (!leaders.insert(next).second || leaders.contains(joint_named(next->mimic->joint)))
+        return refuse(" follows itself by <mimic>, over joint " + excerpt(next->name) +
+                      ": remove one <mimic> of the ring");
+  }
+
+  /// Returns the coordinate at the start. Only of joints that check_mimic() accepts.
+  double start_of(const UrdfJoint& joint) const {
+    if (joint.mimic && log_.ok())
+      return joint.mimic->multiplier * start_of(*joint_named(joint.mimic->joint)) + joint.mimic->offset;
+    return joint.limit ? std::clamp(0.0, joint.limit->lower, joint.limit->upper) : 0;
   }
 
   void check_ends(const UrdfJoint& joint) {
@@ -128,7 +165,7 @@ class UrdfTree {
       group.joint = joint;
       group.parent = now.on;
       group.X_P = now.X;
-      if (joint && joint->limit) group.start = std::clamp(0.0, joint->limit->lower, joint->limit->upper);
+      if (joint) group.start = start_of(*joint);
       Pose motion;
       if (joint && joint->kind == UrdfJointKind::prismatic) motion.p = group.start * joint->axis_C;
       else if (joint) motion.q = Quat(Eigen::AngleAxisd(group.start, joint->axis_C));

@@ -51,6 +51,13 @@ struct UrdfLimit {
   double effort = 0;            // N m or N, > 0
 };
 
+/// Coordinate that follows another joint's: multiplier times it, plus offset.
+struct UrdfMimic {
+  TextPosition at;
+  std::string joint;
+  double multiplier = 1, offset = 0;
+};
+
 struct UrdfJoint {
   TextPosition at;
   std::string name;
@@ -59,6 +66,8 @@ struct UrdfJoint {
   Pose X_PC;                       // child's frame on the parent's, at coordinate zero
   Vec3 axis_C = Vec3::UnitX();     // unit vector in the child's frame
   std::optional<UrdfLimit> limit;  // of revolute and prismatic joints
+  std::optional<UrdfMimic> mimic;
+  bool moves() const { return kind != UrdfJointKind::fixed && kind != UrdfJointKind::floating; }
 };
 
 struct UrdfRobot {
@@ -99,7 +108,8 @@ struct UrdfGroup {
 
 /// Returns the groups of a robot, parents first and links in the order of the file; the first is the world.
 /// All errors of the tree are added to `log`. A link on a fixed joint is in the group of its parent. On the
-/// world it is a body if it has mass. Joints start at zero, or at their limit nearest to it.
+/// world it is a body if it has mass. Joints start at zero, or at their limit nearest to it; those that follow
+/// another joint start where that one puts them.
 std::vector<UrdfGroup> groups_of(const UrdfRobot& robot, Diagnostics& log);
 
 /// Returns the robot as a scene file; shapes that are left out are warnings in `log`.

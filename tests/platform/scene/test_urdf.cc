@@ -228,12 +228,38 @@ TEST(UrdfImport, AGripperKeepsAxesAndLimitsOfItsJaws) {
   EXPECT_TRUE(make_engine(scene, samples, why_not)) << why_not;
 }
 
-TEST(UrdfImport, MimicIsRefusedByNameWithTheRemedy) {
+TEST(UrdfImport, MimicBecomesAGear) {
   const Imported robot =
-      imported("<robot name=\"r\">\n" + gripper_hand + jaw("left", "0", "") +
-               jaw("right", "3.14", "\n<mimic joint=\"left_slide\" multiplier=\"1\"/>") + "</robot>");
-  EXPECT_THAT(robot.errors, ElementsAre(AllOf(HasSubstr("a.urdf:7:1: joint 'right_slide' follows"),
-                                              HasSubstr("remove <mimic>"))));
+      accepted(gripper_hand + jaw("left", "0", "") +
+               jaw("right", "3.14", "\n<mimic joint=\"left_slide\" multiplier=\"0.5\" offset=\"0.01\"/>"));
+  ASSERT_THAT(robot.scene().gears, SizeIs(1));
+  const GearConfig& gear = robot.scene().gears[0];
+  EXPECT_EQ(gear.name, "right_slide_gear");
+  EXPECT_EQ(gear.a, "left_slide");
+  EXPECT_EQ(gear.b, "right_slide");
+  EXPECT_EQ(gear.ratio, 0.5);
+  EXPECT_FALSE(gear.stiffness);
+  EXPECT_NEAR(gear.offset.value(), 0.01, 1e-15);
+  EXPECT_THAT(robot.toml, HasSubstr("# starts with joint right_slide where its <mimic> puts it"));
+  std::string why_not;
+  const std::vector<BodySample> samples(3);
+  EXPECT_TRUE(make_engine(robot.scene(), samples, why_not)) << why_not;
+}
+
+TEST(UrdfImport, MimicOfNothingIsRefused) {
+  const auto errors = [](const std::string& left, const std::string& right) {
+    return imported("<robot name=\"r\">\n" + gripper_hand + jaw("left", "0", left) +
+                    jaw("right", "3.14", right) + "</robot>")
+        .errors;
+  };
+  EXPECT_THAT(errors("", "<mimic joint=\"x\"/>"),
+              ElementsAre(HasSubstr("'x' by <mimic>, which does not exist")));
+  EXPECT_THAT(errors("", "<mimic joint=\"right_slide\"/>"),
+              ElementsAre(HasSubstr("follows itself by <mimic>")));
+  EXPECT_THAT(errors("<mimic joint=\"right_slide\"/>", "<mimic joint=\"left_slide\"/>"),
+              ElementsAre(HasSubstr("follows itself by <mimic>"), HasSubstr("follows itself by <mimic>")));
+  EXPECT_THAT(errors("", "<mimic joint=\"left_slide\" multiplier=\"0\"/>"),
+              ElementsAre(HasSubstr("with multiplier 0")));
 }
 
 TEST(UrdfImport, AJointStartsAtTheLimitNearestToZero) {
