@@ -108,8 +108,8 @@ struct UrdfGroup {
 
 /// Returns the groups of a robot, parents first and links in the order of the file; the first is the world.
 /// All errors of the tree are added to `log`. A link on a fixed joint is in the group of its parent. On the
-/// world it is a body if it has mass. Joints start at zero, or at their limit nearest to it; those that follow
-/// another joint start where that one puts them.
+/// world it is a body if it has mass. Joints start at zero, or at their limit nearest to it. Those that
+/// follow another joint start where that one puts them.
 std::vector<UrdfGroup> groups_of(const UrdfRobot& robot, Diagnostics& log);
 
 /// Returns the robot as a scene file; shapes that are left out are warnings in `log`.
