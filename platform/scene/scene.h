@@ -81,6 +81,7 @@ struct BodyConfig {
   double mass = 1;                       // kg, > 0
   Mat3 inertia = Mat3::Identity();       // kg m^2 about the centre of mass, body axes, positive definite
   Pose X_WB;                             // pose at t = 0
+  bool is_placed = false;                // true if the file gives the pose; otherwise joints may
   Twist V_WB;                            // velocity at t = 0
   std::optional<SpringParams> coupling;  // spring to the target (2); absent: free
   std::optional<SpringParams> feedback;  // spring of the displayed wrench (8); absent or zero: no haptics
@@ -113,8 +114,8 @@ struct JointConfig {
   Pose X_BP;  // joint frame on the parent, in body axes about its centre of mass; on the world in the world
   Pose X_BC;  // joint frame on the child, in body axes about its centre of mass
   std::vector<std::string> coordinates;  // num_coordinates(kind) names: turns, then slides
-  bool prescribed = false;  // true: the device's joints of the same names move the coordinates
-  std::vector<StopConfig> stops;  // at most one for each coordinate
+  bool prescribed = false;               // true: the device's joints of the same names move the coordinates
+  std::vector<StopConfig> stops;         // at most one for each coordinate
   std::vector<JointSpringConfig> springs{};
   // coordinates at t = 0, rad or m, which place the child; empty: those of the bodies' poses
   std::array<std::optional<double>, 2> start{};

@@ -173,8 +173,7 @@ template <class V>
 void check_start(V& v, const std::vector<BodyConfig>& bodies, const JointConfig& j) {
   const auto child = std::ranges::find(bodies, j.child, &BodyConfig::name);
   const Pose& X = child->X_WB;
-  const bool placed = !X.p.isZero(0) || X.q.vec().norm() > 0;
-  if (!placed || !(j.start[0] || j.start[1])) return;
+  if (!child->is_placed || !(j.start[0] || j.start[1])) return;
   std::vector<BodyConfig> moved = bodies;
   place_children(moved, std::span(&j, 1));
   const Pose& by_start = moved[static_cast<std::size_t>(child - bodies.begin())].X_WB;
@@ -219,7 +218,8 @@ void visit_tool_joints(V& v, SceneConfig& s) {
              }
              s.joints.push_back(j);
              check_start(t, s.bodies, j);
-             if (j.start[0] || j.start[1]) return;
+             const auto child = std::ranges::find(s.bodies, j.child, &BodyConfig::name);
+             if (!child->is_placed || j.start[0] || j.start[1]) return;
              const JointGap gap = gap_at_start(s.bodies, j);
              t.advise(!is_apart(gap), "",
                       "joint '" + j.name + "' is apart by " + rounded(gap.m) + " m and " + rounded(gap.rad) +

@@ -125,6 +125,7 @@ void visit_like(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   b = *earlier;
   b.name = name;
   b.X_WB = {};
+  b.is_placed = false;
   b.V_WB = {};
 }
 
@@ -136,6 +137,7 @@ void visit_body(V& v, const std::vector<BodyConfig>& bodies, BodyConfig& b) {
   v.value(Key{"mass", "kg", "", mass_of_body, own}, b.mass);
   v.inertia(Key{"inertia", "kg m^2", "about the centre of mass, body axes", any_number, own}, b.inertia);
   visit_pose(v, "position", "orientation_wxyz", "the centre of mass at t = 0", b.X_WB);
+  b.is_placed = b.is_placed || v.has("position") || v.has("orientation_wxyz");
   v.value(Key{"velocity", "m/s", "at t = 0"}, b.V_WB.v);
   v.value(Key{"angular_velocity", "rad/s", "at t = 0"}, b.V_WB.w);
   const double I_max = b.inertia.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
