@@ -59,7 +59,7 @@ void visit_spring(V& v, const SceneConfig& scene, SpringConfig& s) {
               .otherwise = "the distance at t = 0"},
           s.rest_length);
   const double distance = (point_at_start(scene, s.b, s.p_B) - point_at_start(scene, s.a, s.p_A)).norm();
-  if (!s.rest_length && v.understood("rest_length")) s.rest_length = distance;
+  if (!s.rest_length && !v.has("rest_length")) s.rest_length = distance;
 }
 
 template <class V>
@@ -106,7 +106,7 @@ void visit_gear(V& v, const SceneConfig& scene, GearConfig& g) {
     return coordinates_at_start(scene.bodies, *q.joint)[static_cast<Eigen::Index>(q.number)];
   };
   const double offset = at_start(b) - g.ratio * at_start(a);
-  if (!g.offset && v.understood("offset")) g.offset = offset;
+  if (!g.offset && !v.has("offset")) g.offset = offset;
   if (!g.offset) return;
   v.check(g.stiffness || std::abs(*g.offset - offset) <= rounded_deviation, "offset",
           "is " + rounded(*g.offset) + ", but the bodies are placed with " + rounded(offset) +
