@@ -77,8 +77,8 @@ RtStep unreadable(std::string name, const std::string& path) {
 
 // ---- real time --------------------------------------------------------------------------------------
 
-/// Checks that the clock of each processor stays up. Most drivers' powersave is the lowest frequency for ever;
-/// that of drivers with "pstate" in their names follows the load.
+/// Checks that the clock of each processor stays up. The governor powersave of most drivers is the lowest
+/// frequency; that of drivers with "pstate" in their names follows the load.
 RtStep check_governor(const fs::path& root) {
   RtStep step{.name = "governor", .result = RtResult::ok, .detail = "performance", .remedy = ""};
   const fs::path cpus = root / "sys/devices/system/cpu";
