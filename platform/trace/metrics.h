@@ -144,8 +144,8 @@ inline double integral(const Eigen::VectorXd& x, double dt) {
   return dt * (x.sum() - 0.5 * (x(0) + x(x.size() - 1)));
 }
 
-/// Returns the metrics of a motion. None if it is shorter than the window, or has fewer samples a second than
-/// least_sample_rate; none too if its gaps are longer in all than ten times the rest.
+/// Returns the metrics of a motion. None if it is shorter than the window or has fewer samples a second than
+/// least_sample_rate. None too if its gaps are longer in all than ten times the rest.
 /// idle_below: speed, m/s.
 inline std::optional<MotionMetrics> motion_metrics(const MotionSamples& samples, double idle_below) {
   if (samples.t.size() < 2) return std::nullopt;
@@ -177,8 +177,8 @@ inline std::optional<MotionMetrics> motion_metrics(const MotionSamples& samples,
   m.angle = integral(turn_rate, dt);
 
   // -ln(T^3 / v_peak^2 integral of |jerk|^2 dt), with the vector of jerk (Balasubramanian et al., J.
-  // NeuroEngineering and Rehabilitation 12:112, 2015, table 3). Hogan and Sternad (J. Motor Behavior 41, 2009)
-  // show that it must be dimensionless. Below the idle speed throughout there is no motion.
+  // NeuroEngineering and Rehabilitation 12:112, 2015, table 3). Hogan and Sternad (J. Motor Behavior 41,
+  // 2009) show that it must be dimensionless. Below the idle speed throughout there is no motion.
   if (m.peak_speed < idle_below) return m;
   const Eigen::VectorXd jerk2 = smoothing.derivative(x.leftCols<3>(), 3).rowwise().squaredNorm();
   const double dimensionless = std::pow(m.time, 3) / std::pow(m.peak_speed, 2) * integral(jerk2, dt);
