@@ -229,7 +229,9 @@ RtStep RtProcess::forbid_deep_sleep(const fs::path& root) {
   if (wake_up && *wake_up <= short_us) return step;
   step.result = wake_up && *wake_up >= period_us ? RtResult::failed : RtResult::degraded;
   step.detail = why + (wake_up ? "; wake-ups take up to " + std::to_string(*wake_up) + " us" : "");
-  step.remedy = "give the user write permission on it (udev rule), or boot with processor.max_cstate=1";
+  step.remedy =
+      R"(put KERNEL=="cpu_dma_latency", GROUP="godobject", MODE="0660" into /etc/udev/rules.d/99-godobject.rules, )"
+      "with the user in that group, or boot with processor.max_cstate=1";
   return step;
 }
 

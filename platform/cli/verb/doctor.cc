@@ -152,6 +152,10 @@ void add_doctor(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "doctor",
       "Check this machine for real time, and the buses, ports and disk of a scene; fail if a check fails.");
+  verb->footer(
+      "Exit codes: 0 no check failed, 1 a check failed, 2 usage or configuration. A degraded check works "
+      "with "
+      "longer latencies.");
   const auto options = std::make_shared<DoctorOptions>();
   options->faults = checks;
   verb->add_option("SCENE", options->scene,

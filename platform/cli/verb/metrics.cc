@@ -19,6 +19,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* definitions =
+    "Path and angular path are integrals of speed and angular speed. Idle is the share of the time below "
+    "--idle-below (Oropesa et al., Surgical Innovation 20, 2013). Log dimensionless jerk is -ln(T^3 / "
+    "v_peak^2 "
+    "integral of jerk^2 dt), higher is smoother (Balasubramanian et al., J. NeuroEngineering and "
+    "Rehabilitation "
+    "12:112, 2015; Hogan and Sternad, J. Motor Behavior 41, 2009); a minimum-jerk reach has -5.32. Forces "
+    "are "
+    "the displayed one and the sum of a body's contacts: peak, mean over all rows, time above --force-above "
+    "(Horeman et al., Visual force feedback in laparoscopic training, 2012). A contact continues through "
+    "gaps "
+    "below 50 ms. Releases and engagements end and begin times with the device's switches engaged and "
+    "clutch. "
+    "Grabs are changes of held to a body. Poses are smoothed by polynomials of degree 5 over 0.3 s (Savitzky "
+    "and Golay, Analytical Chemistry 36, 1964), which passes half of the power at 5.6 Hz; forces are not.";
+
 struct MetricsOptions {
   std::string file, json;      // trace; file to write, empty: none
   std::optional<double> from;  // s
@@ -48,7 +64,7 @@ class TraceSamples {
     names_ = &names;
     numbers_.resize(names.size());
     if (names.front() != "t") return "is no trace, whose first column is t";
-    held_ = find("held");
+    if ((held_ = find("held"))) grabs = 0;
     for (const char* of : {".target.x", ".device.x"})
       for (const std::string& name : names)
         if (name.ends_with(of)) add_subject(name.substr(0, name.size() - std::string_view(of).size()), of);
@@ -73,16 +89,14 @@ class TraceSamples {
       if (!add_to(subject)) return "a number of " + subject.name + " is not finite, or its quaternion is 0";
     if (!held_) return "";
     const double held = numbers_[*held_];
-    if (held >= 0 && held != held_before_) ++grabs;
+    if (held >= 0 && held != held_before_) ++*grabs;
     held_before_ = held;
     return "";
   }
 
-  bool grips() const noexcept { return held_.has_value(); }
-
   std::vector<double> times;
   std::vector<Subject> subjects;
-  std::size_t grabs = 0;
+  std::optional<std::size_t> grabs{};  // absent: the device does not grip
 
  private:
   std::optional<std::size_t> find(const std::string& name) const {
@@ -191,10 +205,9 @@ std::string row(const char* label, const Json& subjects, std::initializer_list<c
 std::string table_of(const Json& json) {
   const Json& subjects = json["subjects"];
   std::array<char, 200> text{};
-  std::snprintf(text.data(), text.size(), "%s: %.6g s, %zu rows\n%-34s",
-                json["file"].get<std::string>().substr(0, 120).c_str(), json["time_s"].get<double>(),
+  std::snprintf(text.data(), text.size(), ": %.6g s, %zu rows\n%-34s", json["time_s"].get<double>(),
                 json["rows"].get<std::size_t>(), "");
-  std::string table = text.data();
+  std::string table = json["file"].get<std::string>() + text.data();
   for (const Json& subject : subjects) {
     std::snprintf(text.data(), text.size(), " %14.60s", subject["name"].get<std::string>().c_str());
     table += text.data();
@@ -204,17 +217,17 @@ std::string table_of(const Json& json) {
   std::snprintf(idle.data(), idle.size(), "idle, below %g mm/s, %%",
                 1e3 * json["idle_below_m_per_s"].get<double>());
   std::snprintf(above.data(), above.size(), "  time above %g N, s", json["force_above_N"].get<double>());
+  const auto forces = [&](const char* label, const char* key) {
+    return row(label, subjects, {key, "peak_N"}) + row("  mean, N", subjects, {key, "mean_N"}) +
+           row(above.data(), subjects, {key, "above_s"});
+  };
   table += row("path, m", subjects, {"path_m"}) + row("angular path, rad", subjects, {"angle_rad"}) +
            row("mean speed, mm/s", subjects, {"mean_speed_m_per_s"}, 1e3) +
            row("peak speed, mm/s", subjects, {"peak_speed_m_per_s"}, 1e3) +
            row(idle.data(), subjects, {"idle_percent"}) +
            row("log dimensionless jerk", subjects, {"log_dimensionless_jerk"}) +
-           row("displayed force: peak, N", subjects, {"displayed_force", "peak_N"}) +
-           row("  mean, N", subjects, {"displayed_force", "mean_N"}) +
-           row(above.data(), subjects, {"displayed_force", "above_s"}) +
-           row("contact force: peak, N", subjects, {"contact_force", "peak_N"}) +
-           row("  mean, N", subjects, {"contact_force", "mean_N"}) +
-           row(above.data(), subjects, {"contact_force", "above_s"}) +
+           forces("displayed force: peak, N", "displayed_force") +
+           forces("contact force: peak, N", "contact_force") +
            row("contacts begun", subjects, {"contacts", "begun"}) +
            row("  time in contact, s", subjects, {"contacts", "time_s"}) +
            row("releases of the device", subjects, {"clutch", "releases"}) +
@@ -229,11 +242,10 @@ ExitCode show(const MetricsOptions& options) {
       options.file,
       [&](const std::vector<std::string>& names) {
         const std::string why = trace.begin(names);
-        return why.empty()
-                   ? why
-                   : options.file + ": " + why +
-                         "; of a log of buses make one: godobject run SCENE --bus replay:" + options.file +
-                         " --trace TRACE.csv";
+        if (why.empty()) return why;
+        return options.file + ": " + why +
+               "; of a log of buses make one: godobject run SCENE --bus replay:" + options.file +
+               " --trace TRACE.csv";
       },
       [&](const std::string& line) { return trace.add(line); });
   if (!wrong.empty()) {
@@ -246,7 +258,7 @@ ExitCode show(const MetricsOptions& options) {
             {"smoothing_window_s", smoothing_window},
             {"idle_below_m_per_s", options.idle_below},
             {"force_above_N", options.force_above},
-            {"grabs", trace.grips() ? Json(trace.grabs) : Json(nullptr)},
+            {"grabs", trace.grabs ? Json(*trace.grabs) : Json(nullptr)},
             {"subjects", Json::array()}};
   for (const Subject& subject : trace.subjects) json["subjects"].push_back(metrics_of(subject, options));
   if (json["subjects"].front().is_null()) {
@@ -274,15 +286,9 @@ ExitCode show(const MetricsOptions& options) {
 void add_metrics(CLI::App& app, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "metrics", "Compute path, speed, smoothness, force, clutches and contacts of a trace.");
-  verb->footer(
-      "Path and angular path are integrals of speed and angular speed; idle is the share of the time below "
-      "--idle-below (Oropesa et al., Surgical Innovation 20, 2013). Log dimensionless jerk is -ln(T^3 / "
-      "v_peak^2 integral of jerk^2 dt) (Balasubramanian et al., J. NeuroEngineering and Rehabilitation "
-      "12:112, 2015). Poses are smoothed over 0.3 s by polynomials of degree 5 (Savitzky and Golay, 1964), "
-      "forces are not. A contact continues through gaps below 50 ms.");
+  verb->footer(definitions);
   const auto options = std::make_shared<MetricsOptions>();
-  verb->add_option("FILE", options->file, "read this trace; see docs/how-to/record-and-analyse.md")
-      ->required();
+  verb->add_option("FILE", options->file, "read this trace, of run --trace")->required();
   verb->add_option("--json", options->json, "write a JSON of the metrics")->type_name("FILE");
   verb->add_option("--from", options->from, "omit rows before this time, s")->check(number_in(-1e9, 1e9));
   verb->add_option("--to", options->to, "omit rows after this time, s")->check(number_in(-1e9, 1e9));

@@ -145,12 +145,12 @@ TEST_F(MachineChecks, DeepSleepCountsWhereItCannotBeForbidden) {
   put(cpus + "cpu1/cpuidle/state0/latency", "10");
   expect(real_time("processor sleep"), ok);
   put(cpus + "cpu1/cpuidle/state1/latency", "170");
-  expect(real_time("processor sleep"), degraded, "udev rule");
+  expect(real_time("processor sleep"), degraded, "udev/rules.d");
   EXPECT_THAT(real_time("processor sleep").detail, HasSubstr("170 us"));
   put(cpus + "cpu1/cpuidle/state2/latency", "1034");
-  expect(real_time("processor sleep"), failed, "udev rule");
+  expect(real_time("processor sleep"), failed, "udev/rules.d");
   put(cpus + "cpu1/cpuidle/state2/disable", "1");
-  expect(real_time("processor sleep"), degraded, "udev rule");
+  expect(real_time("processor sleep"), degraded, "udev/rules.d");
 }
 
 TEST_F(MachineChecks, TheWorstGovernorCounts) {
