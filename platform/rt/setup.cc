@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -48,12 +49,12 @@ std::string after(const fs::path& path, std::string_view name) {
   return "";
 }
 
-/// Returns a limit of this process; none if it is not limited.
-std::optional<std::uint64_t> limit_of(const fs::path& root, std::string_view name) {
+/// Returns a limit of this process; UINT64_MAX: not limited, 0: unknown.
+std::uint64_t limit_of(const fs::path& root, std::string_view name) {
   std::istringstream columns(after(root / "proc/self/limits", name));
-  std::uint64_t limit = 0;
-  const bool is_number = static_cast<bool>(columns >> limit);
-  return is_number ? std::optional(limit) : std::nullopt;
+  std::string limit;
+  columns >> limit;
+  return limit == "unlimited" ? UINT64_MAX : std::strtoull(limit.c_str(), nullptr, 10);
 }
 
 /// True if this process has the capability of this number (capabilities(7)), for which limits do not apply.
@@ -77,8 +78,8 @@ RtStep look_at_kernel(const fs::path& root) {
 /// Locks memory. Future memory is locked only without a limit on locked memory, because otherwise later
 /// allocations would fail.
 RtStep lock_memory(const MachineAccess& access) {
-  const std::optional<std::uint64_t> limit = limit_of(access.root, "Max locked memory");
-  const bool unlimited = !limit || has_capability(access.root, CAP_IPC_LOCK);
+  const std::uint64_t limit = limit_of(access.root, "Max locked memory");
+  const bool unlimited = limit == UINT64_MAX || has_capability(access.root, CAP_IPC_LOCK);
   RtStep step{
       .name = "lock memory", .result = RtResult::ok, .detail = "all present and future memory", .remedy = ""};
   const int flags = unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT;
@@ -88,7 +89,7 @@ RtStep lock_memory(const MachineAccess& access) {
     step.detail = "mlockall: " + error_text(error);
   } else if (!unlimited) {
     step.result = RtResult::degraded;
-    step.detail = "present memory only; " + std::to_string(*limit / 1024) + " KiB is the limit";
+    step.detail = "present memory only; " + std::to_string(limit / 1024) + " KiB is the limit";
   }
   if (step.result != RtResult::ok)
     step.remedy = "'<user> - memlock unlimited' in /etc/security/limits.d/, and log in again";
@@ -134,7 +135,7 @@ RtStep take_priority(const MachineAccess& access) {
   RtStep step{.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
   const int error = take(rt_priority);
   if (error == 0) return step;
-  const std::uint64_t limit = limit_of(access.root, "Max realtime priority").value_or(rt_priority);
+  const std::uint64_t limit = limit_of(access.root, "Max realtime priority");
   const bool is_limit = limit < rt_priority && !has_capability(access.root, CAP_SYS_NICE);
   step.remedy = is_limit
                     ? "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"
@@ -182,13 +183,9 @@ const std::function<void()>* called = nullptr;  // global, because makecontext()
 void enter() { (*called)(); }
 
 std::string cpu_model() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (!line.starts_with("model name")) continue;
-    const std::size_t colon = line.find(": ");
-    if (colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
+  const std::string text = after("/proc/cpuinfo", "model name");
+  const std::size_t colon = text.find(": ");
+  return colon == std::string::npos ? "unknown" : text.substr(colon + 2);
 }
 
 }  // namespace
