@@ -11,6 +11,7 @@
 
 #include "platform/cli/command_line.h"
 #include "platform/cli/program.h"
+#include "platform/scene/toml.h"
 #include "platform/trace/metrics.h"
 #include "platform/view/recorded/recording.h"
 
@@ -36,11 +37,13 @@ constexpr const char* definitions =
     "and Golay, Analytical Chemistry 36, 1964), which passes half of the power at 5.6 Hz; forces are not.";
 
 struct MetricsOptions {
-  std::string file, json;      // trace; file to write, empty: none
+  std::string file, json;      // trace or log; file to write, empty: none
+  std::string scene;           // of a log
   std::optional<double> from;  // s
   std::optional<double> to;    // s
   double idle_below = 0.005;   // m/s
   double force_above = 2;      // N
+  FaultChecks faults{};        // simulation of the program
 };
 
 /// A body or a device in a trace: its columns, and its samples.
@@ -236,22 +239,30 @@ std::string table_of(const Json& json) {
   return table;
 }
 
+/// Reads the trace, or recomputes that of a log of buses. Returns the errors.
+std::vector<std::string> read(const MetricsOptions& options, TraceSamples& trace) {
+  const auto begin = [&](const std::vector<std::string>& names) {
+    const std::string why = trace.begin(names);
+    return why.empty() ? "" : options.file + ": " + why + "; a log of buses requires --scene";
+  };
+  const auto add = [&](const std::string& line) { return trace.add(line); };
+  std::vector<std::string> errors;
+  if (options.scene.empty()) {
+    if (std::string wrong = read_rows(options.file, begin, add); !wrong.empty()) errors.push_back(wrong);
+    return errors;
+  }
+  const LoadResult loaded = load_scene(options.scene, options.faults);
+  if (!loaded.scene || !loaded.errors.empty()) return loaded.errors;
+  const RecordingResult result = replay_rows(options.file, options.scene, *loaded.scene, begin, add);
+  for (const std::string& note : result.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  return result.errors;
+}
+
 ExitCode show(const MetricsOptions& options) {
   TraceSamples trace(options);
-  const std::string wrong = read_rows(
-      options.file,
-      [&](const std::vector<std::string>& names) {
-        const std::string why = trace.begin(names);
-        if (why.empty()) return why;
-        return options.file + ": " + why +
-               "; of a log of buses make one: godobject run SCENE --bus replay:" + options.file +
-               " --trace TRACE.csv";
-      },
-      [&](const std::string& line) { return trace.add(line); });
-  if (!wrong.empty()) {
-    std::fprintf(stderr, "%s\n", wrong.c_str());
-    return ExitCode::usage;
-  }
+  const std::vector<std::string> errors = read(options, trace);
+  for (const std::string& error : errors) std::fprintf(stderr, "%s\n", error.c_str());
+  if (!errors.empty()) return ExitCode::usage;
   Json json{{"file", options.file},
             {"time_s", trace.times.empty() ? 0 : trace.times.back() - trace.times.front()},
             {"rows", trace.times.size()},
@@ -283,12 +294,15 @@ ExitCode show(const MetricsOptions& options) {
 
 }  // namespace
 
-void add_metrics(CLI::App& app, ExitCode& code) {
+void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
-      "metrics", "Compute path, speed, smoothness, force, clutches and contacts of a trace.");
+      "metrics", "Compute path, speed, smoothness, force, clutches and contacts of a trace or recording.");
   verb->footer(definitions);
   const auto options = std::make_shared<MetricsOptions>();
-  verb->add_option("FILE", options->file, "read this trace, of run --trace")->required();
+  options->faults = checks;
+  verb->add_option("FILE", options->file, "read this trace, of run --trace, or with --scene a log of buses")
+      ->required();
+  verb->add_option("--scene", options->scene, "replay FILE, of run --record, in this scene file (TOML)");
   verb->add_option("--json", options->json, "write a JSON of the metrics")->type_name("FILE");
   verb->add_option("--from", options->from, "omit rows before this time, s")->check(number_in(-1e9, 1e9));
   verb->add_option("--to", options->to, "omit rows after this time, s")->check(number_in(-1e9, 1e9));

@@ -130,6 +130,21 @@ TEST_F(CliMetrics, ATraceOfARunHasItsBodies) {
   EXPECT_NEAR(fewer["subjects"][1]["path_m"], json["subjects"][1]["path_m"], 1e-4);
 }
 
+TEST_F(CliMetrics, ALogOfBusesHasTheMetricsOfTheTraceOfItsReplay) {
+  const std::string scene = "sim/scenes/rigid.toml", log = path("bus.log"), trace = path("again.csv");
+  ASSERT_EQ(run_program("run " + scene + " --duration 1 --quiet --record " + log + " 2> /dev/null").exit_code,
+            0);
+  run_program("run " + scene + " --bus replay:" + log + " --duration 0.9 --quiet --trace " + trace);
+  const nlohmann::json of_trace = metrics(trace + " --from 0.01 --to 0.9")["subjects"],
+                       of_log = metrics(log + " --scene " + scene + " --from 0.01 --to 0.9")["subjects"];
+  EXPECT_GT(of_log[0]["path_m"], 0.05);
+  EXPECT_EQ(of_trace, of_log);
+  const ProgramResult other = run_program("metrics " + log + " --scene sim/scenes/admittance.toml");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.output, HasSubstr("describes no buses"));
+  EXPECT_EQ(run_program("metrics " + log + " --scene /no/such.toml").exit_code, 2);
+}
+
 TEST_F(CliMetrics, WrongFilesAreNamedWithTheirRemedy) {
   const std::string columns = "a.x,a.y,a.z,a.qw,a.qx,a.qy,a.qz,a.vx";
   const auto of = [&](const std::string& name, const std::string& text) { return write(name, text); };
@@ -139,7 +154,8 @@ TEST_F(CliMetrics, WrongFilesAreNamedWithTheirRemedy) {
     const char* message;
   } cases[] = {
       {"/no/such.csv", "cannot be read"},
-      {of("log", "(1.0) can0 080#\n"), "is no trace, whose first column is t; of a log"},
+      {of("log", "(1.0) can0 080#\n"),
+       "is no trace, whose first column is t; a log of buses requires --scene"},
       {of("other.csv", "t,u\n0,1\n"), "has no columns of a body"},
       {of("short.csv", "t," + columns + "\n0," + good + "0.1," + good), "2 rows over 0.1 s; metrics require"},
       {of("nan.csv", "t," + columns + "\n0,nan,2,3,1,0,0,0,0\n"), ":2: a number of a is not finite"},
