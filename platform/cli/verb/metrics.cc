@@ -114,7 +114,7 @@ class TraceSamples {
     const std::string shown = is_device ? name + ".device" : name;
     const auto pose = find(shown + ".x");
     if (!pose || *pose + 7 > numbers_.size()) return;
-    Subject subject{.name = shown, .pose = *pose};
+    Subject subject{.name = printable(shown), .pose = *pose};
     const bool is_driven = find(name + ".target.x").has_value();
     if (!is_device) subject.force = find(name + ".feedback.fx");
     else if (!is_driven) subject.force = find("hand.fx");

@@ -117,7 +117,7 @@ TEST(Metrics, HalfOfThePowerPassesAtTheCutOff) {
 
 TEST(Metrics, RestIsIdleAndHasNoSmoothness) {
   const MotionSamples still =
-      sampled(2, 1e-3, [](double t) { return counted(Vec3(20e-6 * std::sin(313 * t), 0, 0)); });
+      sampled(2, 1e-3, [](double t) { return counted(Vec3(40e-6 * std::sin(313 * t), 0, 0)); });
   const MotionMetrics m = motion_metrics(still, idle).value();
   EXPECT_EQ(m.idle_share, 1);
   EXPECT_FALSE(m.log_dimensionless_jerk.has_value());
