@@ -42,7 +42,7 @@ std::optional<std::string> first_line(const fs::path& path) {
 }
 
 /// Returns the text after `name` in /proc/self/limits or /proc/self/status; empty if there is none.
-std::string after(const fs::path& path, std::string_view name) {
+std::string text_after(const fs::path& path, std::string_view name) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);)
     if (line.starts_with(name)) return line.substr(name.size());
@@ -51,7 +51,7 @@ std::string after(const fs::path& path, std::string_view name) {
 
 /// Returns a limit of this process; UINT64_MAX: not limited, 0: unknown.
 std::uint64_t limit_of(const fs::path& root, std::string_view name) {
-  std::istringstream columns(after(root / "proc/self/limits", name));
+  std::istringstream columns(text_after(root / "proc/self/limits", name));
   std::string limit;
   columns >> limit;
   return limit == "unlimited" ? UINT64_MAX : std::strtoull(limit.c_str(), nullptr, 10);
@@ -59,7 +59,7 @@ std::uint64_t limit_of(const fs::path& root, std::string_view name) {
 
 /// True if this process has the capability of this number (capabilities(7)), for which limits do not apply.
 bool has_capability(const fs::path& root, unsigned number) {
-  std::istringstream mask(after(root / "proc/self/status", "CapEff:"));
+  std::istringstream mask(text_after(root / "proc/self/status", "CapEff:"));
   std::uint64_t bits = 0;
   return static_cast<bool>(mask >> std::hex >> bits) && (bits >> number & 1) != 0;
 }
@@ -183,7 +183,7 @@ const std::function<void()>* called = nullptr;  // global, because makecontext()
 void enter() { (*called)(); }
 
 std::string cpu_model() {
-  const std::string text = after("/proc/cpuinfo", "model name");
+  const std::string text = text_after("/proc/cpuinfo", "model name");
   const std::size_t colon = text.find(": ");
   return colon == std::string::npos ? "unknown" : text.substr(colon + 2);
 }

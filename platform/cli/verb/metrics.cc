@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* definitions =
+constexpr const char* metric_definitions =
     "Path and angular path are integrals of speed and angular speed. Idle is the share of the time below "
     "--idle-below (Oropesa et al., Surgical Innovation 20, 2013). Log dimensionless jerk is -ln(T^3 / "
     "v_peak^2 "
@@ -297,7 +297,7 @@ ExitCode show(const MetricsOptions& options) {
 void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb = app.add_subcommand(
       "metrics", "Compute path, speed, smoothness, force, clutches and contacts of a trace or recording.");
-  verb->footer(definitions);
+  verb->footer(metric_definitions);
   const auto options = std::make_shared<MetricsOptions>();
   options->faults = checks;
   verb->add_option("FILE", options->file, "read this trace, of run --trace, or with --scene a log of buses")
