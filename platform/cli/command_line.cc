@@ -74,6 +74,9 @@ void add_options(std::string& page, const CLI::App& verb) {
 void add_verb(std::string& page, const CLI::App& verb, const std::string& path) {
   page += ".SS " + roff(path) + "\n" + roff(verb.get_description()) + "\n";
   add_options(page, verb);
+  const CLI::App* const parent = verb.get_parent();  // which leaves its own footer to its verbs
+  if (parent != nullptr && verb.get_footer() != parent->get_footer())
+    page += ".PP\n" + roff(verb.get_footer()) + "\n";
   for (const CLI::App* sub : verbs_of(verb)) add_verb(page, *sub, path + " " + sub->get_name());
 }
 

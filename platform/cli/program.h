@@ -31,9 +31,11 @@ void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
 void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
 // only in programs that simulate, see LinkedSimulation
 void add_simulate(CLI::App& app, ExitCode& code);
+void add_doctor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_import(CLI::App& app, ExitCode& code);
 void add_faults(CLI::App& app, ExitCode& code);
 void add_sdo(CLI::App& app, ExitCode& code);

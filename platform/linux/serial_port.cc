@@ -259,6 +259,26 @@ std::string SerialPort::latency_report() const {
          udev_rule;
 }
 
+RtStep check_serial_port(const std::string& name, const std::string& path,
+                         const std::filesystem::path& root) {
+  const std::filesystem::path file = root / std::filesystem::path(path).relative_path();
+  const std::string sysfs = (root / "sys").string();
+  if (eaccess(file.c_str(), R_OK | W_OK) != 0)
+    return {.name = name,
+            .result = RtResult::failed,
+            .detail = path + " cannot be opened: " + text_of(errno),
+            .remedy = remedy_of(errno).empty() ? "see ls -l " + path : remedy_of(errno).substr(2)};
+  const std::optional<int> timer_ms = read_latency_timer_ms(file.string(), sysfs);
+  const std::string timer = timer_ms ? path + ", latency timer " + std::to_string(*timer_ms) + " ms" : path;
+  if (timer_ms.value_or(0) <= max_latency_timer_ms)
+    return {.name = name, .result = RtResult::ok, .detail = timer, .remedy = ""};
+  return {.name = name,
+          .result = RtResult::degraded,
+          .detail = timer + ": received bytes are late, unless the run can set it",
+          .remedy = std::string("echo '") + udev_rule +
+                    "' >> /etc/udev/rules.d/99-latency.rules, and plug the adapter in again"};
+}
+
 SerialAddress parse_serial_address(const std::string& where, std::uint32_t default_baud) {
   const std::size_t comma = where.rfind(',');
   if (comma == std::string::npos) return {.path = where, .baud = default_baud};

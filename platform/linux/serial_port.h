@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "hal/can/frame.h"
+#include "platform/rt/setup.h"
 
 namespace godobject {
 
@@ -128,6 +130,11 @@ constexpr double seconds_per_byte(std::uint32_t baud) noexcept { return 10.0 / b
 /// Returns the latency timer of the USB adapter behind terminal `path`, ms, from the kernel's files below
 /// `sysfs`. None if the driver has no such timer (only FTDI's has).
 std::optional<int> read_latency_timer_ms(const std::string& path, std::string_view sysfs = "/sys");
+
+/// Checks a port without opening it: existence, permission, latency timer.
+/// name: name of the bus or tracker on it. root: folder of /dev and /sys.
+RtStep check_serial_port(const std::string& name, const std::string& path,
+                         const std::filesystem::path& root = "/");
 
 /// A pseudo-terminal: a serial line with another program at its other end. The caller owns the descriptors.
 /// `slave` must stay open, because reading the master without an open slave is an error.

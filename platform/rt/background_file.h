@@ -4,11 +4,15 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
+
+#include "platform/rt/setup.h"
 
 namespace godobject {
 
@@ -57,5 +61,11 @@ class BackgroundFile {
   std::shared_ptr<State> state_;  // shared with the thread, which may outlive this object in a blocked write
   std::thread thread_;
 };
+
+/// Returns the bytes that this user may still write into a folder; none if there is no such folder.
+std::optional<std::uint64_t> free_bytes(const std::filesystem::path& folder);
+/// Checks that records can be written into a folder for an hour; less is degraded, below a minute failed.
+/// free: bytes, see free_bytes(). bytes_per_s: bytes that a run writes, 1/s.
+RtStep disk_check(const std::filesystem::path& folder, std::optional<std::uint64_t> free, double bytes_per_s);
 
 }  // namespace godobject

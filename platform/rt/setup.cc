@@ -1,6 +1,7 @@
 #include "platform/rt/setup.h"
 
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sys/mman.h>
@@ -9,12 +10,17 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <optional>
+#include <sstream>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -25,30 +31,65 @@ constexpr std::size_t prefault_bytes = std::size_t{256} * 1024;
 
 std::string error_text(int error) { return std::generic_category().message(error); }
 
-RtStep look_at_kernel() {
-  int realtime = 0;
-  std::ifstream("/sys/kernel/realtime") >> realtime;
-  if (realtime == 1) return {.name = "kernel", .result = RtResult::ok, .detail = "PREEMPT_RT", .remedy = ""};
-  return {.name = "kernel",
-          .result = RtResult::degraded,
-          .detail = "not PREEMPT_RT: wake-ups may be late by milliseconds",
-          .remedy = "apt install linux-image-rt-amd64, then boot it"};
+namespace fs = std::filesystem;
+
+/// Returns the first line of a file; none if it cannot be read.
+std::optional<std::string> first_line(const fs::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line)) return std::nullopt;
+  return line;
+}
+
+/// Returns the text after `name` in /proc/self/limits or /proc/self/status; empty if there is none.
+std::string text_after(const fs::path& path, std::string_view name) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with(name)) return line.substr(name.size());
+  return "";
+}
+
+/// Returns a limit of this process; UINT64_MAX: not limited, 0: unknown.
+std::uint64_t limit_of(const fs::path& root, std::string_view name) {
+  std::istringstream columns(text_after(root / "proc/self/limits", name));
+  std::string limit;
+  columns >> limit;
+  return limit == "unlimited" ? UINT64_MAX : std::strtoull(limit.c_str(), nullptr, 10);
+}
+
+/// True if this process has the capability of this number (capabilities(7)), for which limits do not apply.
+bool has_capability(const fs::path& root, unsigned number) {
+  std::istringstream mask(text_after(root / "proc/self/status", "CapEff:"));
+  std::uint64_t bits = 0;
+  return static_cast<bool>(mask >> std::hex >> bits) && (bits >> number & 1) != 0;
+}
+
+RtStep look_at_kernel(const fs::path& root) {
+  RtStep step{.name = "kernel", .result = RtResult::ok, .detail = "PREEMPT_RT", .remedy = ""};
+  if (has_preempt_rt(root)) return step;
+  const bool is_known = first_line(root / "proc/version").has_value();
+  step.result = is_known ? RtResult::degraded : RtResult::failed;
+  step.detail = is_known ? "not PREEMPT_RT: wake-ups may be late by milliseconds"
+                         : "unknown, because /proc/version cannot be read";
+  step.remedy = is_known ? "apt install linux-image-rt-amd64, then boot it" : "mount -t proc proc /proc";
+  return step;
 }
 
 /// Locks memory. Future memory is locked only without a limit on locked memory, because otherwise later
 /// allocations would fail.
-RtStep lock_memory() {
-  rlimit limit{};
-  getrlimit(RLIMIT_MEMLOCK, &limit);
-  const bool unlimited = limit.rlim_cur == RLIM_INFINITY || geteuid() == 0;
+RtStep lock_memory(const MachineAccess& access) {
+  const std::uint64_t limit = limit_of(access.root, "Max locked memory");
+  const bool unlimited = limit == UINT64_MAX || has_capability(access.root, CAP_IPC_LOCK);
   RtStep step{
       .name = "lock memory", .result = RtResult::ok, .detail = "all present and future memory", .remedy = ""};
-  if (mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) != 0) {
+  const int flags = unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT;
+  const int error = access.lock_memory ? access.lock_memory(flags) : mlockall(flags) == 0 ? 0 : errno;
+  if (error != 0) {
     step.result = RtResult::failed;
-    step.detail = "mlockall: " + error_text(errno);
+    step.detail = "mlockall: " + error_text(error);
   } else if (!unlimited) {
     step.result = RtResult::degraded;
-    step.detail = "present memory only; " + std::to_string(limit.rlim_cur / 1024) + " KiB is the limit";
+    step.detail = "present memory only; " + std::to_string(limit / 1024) + " KiB is the limit";
   }
   if (step.result != RtResult::ok)
     step.remedy = "'<user> - memlock unlimited' in /etc/security/limits.d/, and log in again";
@@ -80,16 +121,48 @@ RtStep keep_heap() {
           .remedy = ""};
 }
 
-RtStep take_priority() {
+int take_fifo(int priority) {
   sched_param param{};
-  param.sched_priority = rt_priority;
-  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
+  param.sched_priority = priority;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
+}
+
+RtStep take_priority(const MachineAccess& access) {
+  const auto take = [&](int priority) {
+    return access.take_priority ? access.take_priority(priority) : take_fifo(priority);
+  };
   const std::string wanted = "SCHED_FIFO " + std::to_string(rt_priority);
-  if (error == 0) return {.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
-  return {.name = "priority",
-          .result = RtResult::degraded,
-          .detail = wanted + ": " + error_text(error) + "; runs at normal priority",
-          .remedy = "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"};
+  RtStep step{.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
+  const int error = take(rt_priority);
+  if (error == 0) return step;
+  const std::uint64_t limit = limit_of(access.root, "Max realtime priority");
+  const bool is_limit = limit < rt_priority && !has_capability(access.root, CAP_SYS_NICE);
+  step.remedy = is_limit
+                    ? "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"
+                    : "give the control group of this program cpu.rt_runtime_us above 0; in a container: "
+                      "--cap-add=SYS_NICE --ulimit rtprio=98";
+  if (is_limit && limit > 0 && take(static_cast<int>(limit)) == 0) {
+    step.result = RtResult::degraded;
+    step.detail = "SCHED_FIFO " + std::to_string(limit) + ", the limit of rtprio, instead of " + wanted;
+  } else {
+    step.result = RtResult::failed;
+    step.detail = wanted + ": " + error_text(error) + "; runs at normal priority";
+  }
+  return step;
+}
+
+/// Returns the longest wake-up latency of the idle states in use, us; none if there are no idle states.
+std::optional<std::uint64_t> longest_wake_up_us(const fs::path& root) {
+  std::optional<std::uint64_t> longest;
+  std::error_code ignored;
+  for (const fs::directory_entry& cpu : fs::directory_iterator(root / "sys/devices/system/cpu", ignored))
+    for (const fs::directory_entry& state : fs::directory_iterator(cpu.path() / "cpuidle", ignored)) {
+      std::uint64_t latency = 0, disabled = 0;
+      std::ifstream(state.path() / "disable") >> disabled;
+      if (disabled == 0 && std::ifstream(state.path() / "latency") >> latency)
+        longest = std::max(longest.value_or(0), latency);
+    }
+  return longest;
 }
 
 constexpr std::size_t stack_bytes = std::size_t{8} << 20;  // Linux' usual limit
@@ -110,13 +183,9 @@ const std::function<void()>* called = nullptr;  // global, because makecontext()
 void enter() { (*called)(); }
 
 std::string cpu_model() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    if (!line.starts_with("model name")) continue;
-    const std::size_t colon = line.find(": ");
-    if (colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
+  const std::string text = text_after("/proc/cpuinfo", "model name");
+  const std::size_t colon = text.find(": ");
+  return colon == std::string::npos ? "unknown" : text.substr(colon + 2);
 }
 
 }  // namespace
@@ -126,8 +195,15 @@ std::string_view name_of(RtResult result) noexcept {
   return names[static_cast<std::size_t>(result)];
 }
 
-RtProcess::RtProcess() : steps_{look_at_kernel(), lock_memory(), keep_heap()} {
-  steps_.push_back(forbid_deep_sleep());
+// Kernels since 6.12 have PREEMPT_RT without the file `realtime`.
+bool has_preempt_rt(const fs::path& root) {
+  return first_line(root / "sys/kernel/realtime") == "1" ||
+         first_line(root / "proc/version").value_or("").find("PREEMPT_RT") != std::string::npos;
+}
+
+RtProcess::RtProcess(const MachineAccess& access)
+    : steps_{look_at_kernel(access.root), lock_memory(access), keep_heap()} {
+  steps_.push_back(forbid_deep_sleep(access.root));
 }
 
 RtProcess::~RtProcess() {
@@ -137,20 +213,28 @@ RtProcess::~RtProcess() {
 
 /// Limits the wake-up latency of the processors while the file is open (pm_qos_interface.rst in Linux's
 /// Documentation/power).
-RtStep RtProcess::forbid_deep_sleep() {
+RtStep RtProcess::forbid_deep_sleep(const fs::path& root) {
+  constexpr std::uint64_t short_us = 10, period_us = 1000;  // the latency of C1E; a period at 1 kHz
   RtStep step{
       .name = "processor sleep", .result = RtResult::ok, .detail = "no deep idle states", .remedy = ""};
-  latency_fd_ = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  latency_fd_ = open((root / "dev/cpu_dma_latency").c_str(), O_WRONLY | O_CLOEXEC);
   const std::int32_t longest_us = 0;
-  if (latency_fd_ < 0 || write(latency_fd_, &longest_us, sizeof longest_us) != sizeof longest_us) {
-    step.result = RtResult::degraded;
-    step.detail = "/dev/cpu_dma_latency: " + error_text(errno);
-    step.remedy = "give the user write permission on it (udev rule), or boot with processor.max_cstate=1";
-  }
+  if (latency_fd_ >= 0 && write(latency_fd_, &longest_us, sizeof longest_us) == sizeof longest_us)
+    return step;
+  const std::string why = "/dev/cpu_dma_latency: " + error_text(errno);
+  const std::optional<std::uint64_t> wake_up = longest_wake_up_us(root);
+  if (wake_up && *wake_up <= short_us) return step;
+  step.result = wake_up && *wake_up >= period_us ? RtResult::failed : RtResult::degraded;
+  step.detail = why + (wake_up ? "; wake-ups take up to " + std::to_string(*wake_up) + " us" : "");
+  step.remedy =
+      R"(put KERNEL=="cpu_dma_latency", GROUP="godobject", MODE="0660" into /etc/udev/rules.d/99-godobject.rules, )"
+      "with the user in that group, or boot with processor.max_cstate=1";
   return step;
 }
 
-std::vector<RtStep> set_up_rt_thread() { return {take_priority(), prefault_stack()}; }
+std::vector<RtStep> set_up_rt_thread(const MachineAccess& access) {
+  return {take_priority(access), prefault_stack()};
+}
 
 std::string rt_table(std::span<const RtStep> steps) {
   std::string table;

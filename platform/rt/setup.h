@@ -2,6 +2,8 @@
 // a result, so that no failure is silent. Also the machine's properties, for reports.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
@@ -24,11 +26,18 @@ struct RtStep {
   std::string remedy;  // empty if ok
 };
 
+/// Access to the machine. Tests replace the folder and the system calls.
+struct MachineAccess {
+  std::filesystem::path root = "/";                  // folder of /proc, /sys and /dev
+  std::function<int(int flags)> lock_memory{};       // returns 0 or errno; empty: mlockall
+  std::function<int(int priority)> take_priority{};  // of this thread; returns 0 or errno; empty: SCHED_FIFO
+};
+
 /// Setup of the process, undone by the destructor. Not for the loop.
 class RtProcess {
  public:
   /// Checks the kernel's preemption, locks memory and keeps it, forbids deep sleep states of the processor.
-  RtProcess();
+  explicit RtProcess(const MachineAccess& access = {});
   ~RtProcess();
   RtProcess(const RtProcess&) = delete;
   RtProcess& operator=(const RtProcess&) = delete;
@@ -36,14 +45,14 @@ class RtProcess {
   const std::vector<RtStep>& steps() const noexcept { return steps_; }
 
  private:
-  RtStep forbid_deep_sleep();
+  RtStep forbid_deep_sleep(const std::filesystem::path& root);
 
   std::vector<RtStep> steps_;
   int latency_fd_ = -1;  // the request is in effect while it is open
 };
 
-/// Sets up the calling thread: SCHED_FIFO at rt_priority, stack touched.
-std::vector<RtStep> set_up_rt_thread();
+/// Sets up the calling thread: SCHED_FIFO at rt_priority or the highest permitted one, stack touched.
+std::vector<RtStep> set_up_rt_thread(const MachineAccess& access = {});
 
 /// Above the interrupt threads' 50, below the kernel's own 99.
 inline constexpr int rt_priority = 80;
@@ -51,6 +60,17 @@ inline constexpr int rt_priority = 80;
 /// Formats one line a step: name, result, detail, remedy.
 std::string rt_table(std::span<const RtStep> steps);
 
+/// True for a kernel with PREEMPT_RT, which has threads for interrupts.
+bool has_preempt_rt(const std::filesystem::path& root);
+
+// Checks of the machine, see platform/rt/machine_checks.cc. They change no setting of the
+// machine.
+
+/// Returns the requirements of real time: the set-up of a run, tried out, frequency scaling and throttling.
+std::vector<RtStep> real_time_checks(const MachineAccess& access = {});
+/// Returns the checks of isolated cores and of interrupt threads.
+/// interfaces: those whose interrupt threads must be above the loop.
+std::vector<RtStep> core_checks(std::span<const std::string> interfaces, const MachineAccess& access = {});
 /// Opens closed descriptors among 0 to 2 on /dev/null, so that later ones are above them. A bus or file
 /// opened as one of them would receive the status lines. Call it before anything else is opened. Returns
 /// false if /dev/null cannot be opened.

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "platform/rt/setup.h"
 #include "platform/scene/checks.h"
 
 namespace godobject {
@@ -185,6 +186,18 @@ void check_real_buses(const RunOptions& options, PreparedRun& run) {
     run.notes.push_back(
         "--motion: real buses and trackers measure the handles; this run reads only the switches of the "
         "file");
+}
+
+std::string why_not_real_time(const RunOptions& options) {
+  if (!options.require_rt) return "";
+  std::vector<RtStep> unmet = real_time_checks();
+  std::erase_if(unmet, [](const RtStep& step) { return step.result == RtResult::ok; });
+  if (unmet.empty()) return "";
+  std::string names;
+  for (const RtStep& step : unmet)
+    names += (names.empty() ? "" : ", ") + step.name + " (" + std::string(name_of(step.result)) + ")";
+  return "--require-rt: this machine does not meet the real-time requirements: " + names +
+         "; apply the remedies below, or remove --require-rt\n" + rt_table(unmet);
 }
 
 void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,

@@ -26,6 +26,7 @@ struct RunOptions {
   std::string scene;                  // path
   bool realtime = false;              // always true on real buses
   bool fast = false;                  // true if given explicitly
+  bool require_rt = false;            // true: runs only on a machine that meets all real_time_checks()
   std::vector<std::string> buses;     // see plan_buses()
   std::vector<std::string> trackers;  // see plan_trackers()
   Rearm rearm = Rearm::never;
@@ -87,6 +88,10 @@ void check_recorded(const RunOptions& options, BusChoice choice, const SceneConf
 
 /// Checks the options that depend on real buses, trackers and logs.
 void check_real_buses(const RunOptions& options, PreparedRun& run);
+
+/// Returns the requirements that this machine does not meet, with remedies, as lines. Empty if it meets all,
+/// or without --require-rt.
+std::string why_not_real_time(const RunOptions& options);
 
 /// Checks the distance of each body from its target at the start, since the coupling would fling it there.
 /// Warns above 0.1 m or 0.5 rad; fails above 1 m or 3 rad, of which millimetres or degrees are the usual

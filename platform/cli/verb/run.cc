@@ -62,11 +62,16 @@ Nanoseconds log_origin_ns() {
 
 ExitCode run(RunOptions options) {
   guard_process();
+  if (options.require_rt) options.realtime = true;
   PreparedRun prepared = prepare(options);
   if (!options.quiet) print_lines(stderr, "note: ", prepared.notes);
   print_lines(stderr, "warning: ", prepared.warnings);
   print_lines(stderr, "", prepared.errors);
   if (!prepared.session) return ExitCode::usage;
+  if (const std::string why_not = why_not_real_time(options); !why_not.empty()) {
+    std::fputs(why_not.c_str(), stderr);
+    return ExitCode::not_available;
+  }
 
   if (const std::string why_not = make_folders(options); !why_not.empty()) {
     print_lines(stderr, "", {why_not});
@@ -138,10 +143,14 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   auto* realtime = verb.add_flag("--realtime", options.realtime,
                                  "run in wall time: one cycle per period on a real-time thread, with a "
                                  "status line; implied by real buses");
-  verb.add_flag("--fast", options.fast,
-                "run on a simulated clock, as fast as the machine allows, with bit-identical results "
-                "(default); excludes --realtime")
-      ->excludes(realtime);
+  auto* fast = verb.add_flag("--fast", options.fast,
+                             "run on a simulated clock, as fast as the machine allows, with bit-identical "
+                             "results (default); excludes --realtime");
+  fast->excludes(realtime);
+  verb.add_flag("--require-rt", options.require_rt,
+                "refuse a machine without any of the real-time requirements that godobject doctor lists; "
+                "implies --realtime")
+      ->excludes(fast);
   verb.add_flag("--strict", options.strict,
                 "refuse a scene with a driven axis that is not passive; see godobject check");
   verb.add_option("--duration", options.duration,

@@ -1,12 +1,20 @@
-// Makes a bus from the text of --bus.
+// Makes a bus from the text of --bus. Checks interfaces and ports before they are opened.
+#include <linux/can.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <sstream>
 
 #include "platform/linux/bus/board.h"
 #include "platform/linux/bus/bus.h"
 #include "platform/linux/bus/replay.h"
 #include "platform/linux/bus/slcan.h"
 #include "platform/linux/bus/socket_can.h"
+#include "platform/linux/serial_port.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
@@ -21,18 +29,38 @@ std::unique_ptr<LinuxBus> make_pty(const std::string&, const BusSettings& settin
   return std::make_unique<PtyBus>(settings);
 }
 
+std::vector<RtStep> check_interface(const BusCheck& bus) {
+  CanLink link;
+  int error = read_can_link(bus.where.c_str(), link);
+  if (error == ENODEV) {  // perhaps of a kernel without SocketCAN
+    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
+    if (fd < 0) error = errno;
+    else close(fd);
+  }
+  return check_can_link(bus, error, link);
+}
+
+std::vector<RtStep> check_port(const BusCheck& bus) {
+  return {check_serial_port(bus.name, parse_serial_address(bus.where, 0).path, bus.root)};
+}
+
 // One row for each kind.
 constexpr std::array backends{
     BusBackend{.name = "socketcan",
                .where = "INTERFACE, e.g. socketcan:can0",
                .make = make<SocketCanBus>,
+               .check = check_interface,
                .max_where = 15,  // IFNAMSIZ - 1
                .comes_back = true},
-    BusBackend{.name = "slcan", .where = "PATH[,BAUD], e.g. slcan:/dev/ttyACM0", .make = make<SlcanBus>},
+    BusBackend{.name = "slcan",
+               .where = "PATH[,BAUD], e.g. slcan:/dev/ttyACM0",
+               .make = make<SlcanBus>,
+               .check = check_port},
     BusBackend{.name = "pty", .where = "", .make = make_pty, .makes_terminal = true, .comes_back = true},
     BusBackend{.name = "board",
                .where = "PATH[,BAUD], e.g. board:/dev/ttyACM0",
                .make = make<BoardBus>,
+               .check = check_port,
                .no_answers = "an encoder board has no objects",
                .no_device = "an encoder board is a device, not a bus to simulate one on"},
     BusBackend{.name = "replay",
@@ -89,6 +117,46 @@ std::optional<BusAddress> parse_bus_address(std::string_view text, std::string& 
   }
   error.clear();
   return BusAddress{.backend = &*backend, .where = std::string(where)};
+}
+
+std::vector<RtStep> check_can_link(const BusCheck& bus, int error, const CanLink& link) {
+  const std::string& interface = bus.where;
+  std::vector<RtStep> steps;
+  const auto add = [&](RtResult result, const std::string& message) {  // "trouble: remedy"
+    const std::size_t colon = message.find(": ");
+    steps.push_back({.name = bus.name,
+                     .result = result,
+                     .detail = message.substr(0, colon),
+                     .remedy = colon == std::string::npos ? "" : message.substr(colon + 2)});
+  };
+  if (error != 0) {
+    const std::string known = why_no_link(interface, error);
+    add(RtResult::failed,
+        known.empty() ? interface + " (" + std::strerror(error) + "): ip link show " + interface : known);
+    return steps;
+  }
+  const LinkFit conflict = fit(link, bus.settings);
+  if (conflict != LinkFit::fits) add(RtResult::failed, text_of(conflict, interface, link, bus.settings));
+  const BusState state = link.controller ? link.controller->state : BusState::error_active;
+  if (link.up && state == BusState::bus_off) add(RtResult::failed, bus_off_text(interface, link));
+  else if (link.up && state != BusState::error_active)
+    add(RtResult::degraded, interface + " is " + std::string(name_of(state)) + " (TEC " +
+                                std::to_string(link.controller->transmit_error_counter) + ", REC " +
+                                std::to_string(link.controller->receive_error_counter) +
+                                "): check cable, termination and bit rate of all nodes");
+  std::istringstream warnings(link_warnings(interface, link));
+  for (std::string line; std::getline(warnings, line);) add(RtResult::degraded, line);
+  if (link.transmit_queue_length < bus.frames)
+    add(RtResult::degraded, interface + " queues " + std::to_string(link.transmit_queue_length) +
+                                " frames of the " + std::to_string(bus.frames) + " in a cycle: ip link set " +
+                                interface + " txqueuelen 100");
+  if (steps.empty())
+    add(RtResult::ok,
+        interface + " is up, " +
+            (link.controller ? std::to_string(link.controller->bit_rate) + " bit/s, error_active"
+                             : std::string("virtual")) +
+            ", txqueuelen " + std::to_string(link.transmit_queue_length));
+  return steps;
 }
 
 std::unique_ptr<LinuxBus> make_bus(const BusAddress& address, const BusSettings& settings) {

@@ -1,14 +1,17 @@
 // A CAN bus of this machine: a thread can wait on it, and an address on the command line makes it.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/can/bus.h"
 #include "hal/can/filter.h"
+#include "platform/rt/setup.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {
@@ -46,16 +49,26 @@ struct BusSettings {
   std::span<const CanFilter> filters{};  // empty: all frames
 };
 
+/// A bus to be checked before it is opened.
+struct BusCheck {
+  std::string name;     // of the bus, in the scene
+  std::string where{};  // interface, path of a terminal, or of a log
+  BusSettings settings{};
+  std::size_t frames = 0;            // number of frames that the host sends at once
+  std::filesystem::path root = "/";  // folder of /dev and /sys
+};
+
 /// A kind of bus, by the name that --bus uses.
 struct BusBackend {
   std::string_view name;   // "slcan"
   std::string_view where;  // text after the colon, with an example; empty: none
   std::unique_ptr<LinuxBus> (*make)(const std::string& where, const BusSettings& settings) = nullptr;
-  std::size_t max_where = std::string::npos;  // characters
-  const char* no_answers = nullptr;           // reason why nodes do not answer on it
-  const char* no_device = nullptr;            // reason why a device cannot be simulated on it
-  bool makes_terminal = false;                // true if its terminal's name is printed once it is open
-  bool comes_back = false;                    // after it was down
+  std::vector<RtStep> (*check)(const BusCheck& bus) = nullptr;  // null: nothing exists before it is opened
+  std::size_t max_where = std::string::npos;                    // characters
+  const char* no_answers = nullptr;                             // reason why nodes do not answer on it
+  const char* no_device = nullptr;  // reason why a device cannot be simulated on it
+  bool makes_terminal = false;      // true if its terminal's name is printed once it is open
+  bool comes_back = false;          // after it was down
   bool is_file = false;
 };
 

@@ -104,8 +104,17 @@ LinkFit fit(const CanLink& link, const BusSettings& settings) noexcept;
 std::string text_of(LinkFit fit, const std::string& interface, const CanLink& link,
                     const BusSettings& settings);
 
+/// Returns why there is no CAN interface of this name, and the remedy; empty for other errors.
+/// error: result of read_can_link().
+std::string why_no_link(const std::string& interface, int error);
+/// Returns the remedy of bus-off.
+std::string bus_off_text(const std::string& interface, const CanLink& link);
 /// Returns warnings of later trouble: no restart after bus-off, a queue that drops old frames. Empty if none.
 std::string link_warnings(const std::string& interface, const CanLink& link);
+
+/// Checks an interface for a run. Returns one step if all is well, otherwise one for each trouble.
+/// error, link: result of read_can_link().
+std::vector<RtStep> check_can_link(const BusCheck& bus, int error, const CanLink& link);
 
 /// A bus on a CAN interface. The filters work in the kernel, also on own frames. They must pass the
 /// identifiers of own frames, so that BusCounters::sent counts them. An interface that goes down and up again

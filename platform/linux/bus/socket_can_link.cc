@@ -194,6 +194,28 @@ std::string text_of(LinkFit fit, const std::string& interface, const CanLink& li
   return {};
 }
 
+std::string why_no_link(const std::string& interface, int error) {
+  switch (error) {
+    case EAFNOSUPPORT:
+      return "this kernel has no SocketCAN: modprobe can_raw (as root), or a kernel built with CONFIG_CAN; "
+             "an "
+             "adapter on a serial port works without: slcan:/dev/ttyACM0";
+    case ENODEV:
+      return "there is no interface " + interface +
+             ": plug the adapter in; `ip link show type can` lists those there "
+             "are. A virtual one: ip link add dev " +
+             interface + " type vcan && ip link set " + interface + " up";
+    case EMEDIUMTYPE:
+      return interface + " is no CAN interface: `ip link show type can` lists those there are";
+    default: return {};
+  }
+}
+
+std::string bus_off_text(const std::string& interface, const CanLink& link) {
+  return interface + " is bus-off: check cable, termination and bit rate of all nodes; then " +
+         restart_command(interface, link);
+}
+
 std::string link_warnings(const std::string& interface, const CanLink& link) {
   std::string text;
   if (link.controller && link.controller->restart_ms == 0)
@@ -231,10 +253,7 @@ std::string SocketCanBus::why_state() const {
              (known ? " (" + interface + " is there again)" : "");
     case BusState::down:
       return (known ? text_of(LinkFit::down, interface, link, settings()) : interface + " is down") + renamed;
-    case BusState::bus_off:
-      text = interface + " is bus-off: check cable, termination and bit rate of all nodes; then " +
-             restart_command(interface, known ? link : CanLink{}) + "\n";
-      break;
+    case BusState::bus_off: text = bus_off_text(interface, known ? link : CanLink{}) + "\n"; break;
     case BusState::error_warning:
     case BusState::error_passive:
       text = interface + " is " + std::string(name_of(state_)) + " (TEC " +
@@ -266,19 +285,9 @@ std::string SocketCanBus::why_not_open() const {
                       : interface_ + " has just gone: plug it in again";
   }
   if (failed_call_ == nullptr) return {};
-  if (failed_errno_ == EAFNOSUPPORT)
-    return "this kernel has no SocketCAN: modprobe can_raw (as root), or a kernel built with CONFIG_CAN; an "
-           "adapter "
-           "on a serial port works without: slcan:/dev/ttyACM0";
   if (failed_errno_ == ENODEV && present_name() != interface_)
     return renamed_text(interface_, present_name());
-  if (failed_errno_ == ENODEV)
-    return "there is no interface " + interface_ +
-           ": plug the adapter in; `ip link show type can` lists those there "
-           "are. A virtual one: ip link add dev " +
-           interface_ + " type vcan && ip link set " + interface_ + " up";
-  if (failed_errno_ == EMEDIUMTYPE)
-    return interface_ + " is no CAN interface: `ip link show type can` lists those there are";
+  if (std::string text = why_no_link(interface_, failed_errno_); !text.empty()) return text;
   return interface_ + ": " + failed_call_ + ": " + std::strerror(failed_errno_);
 }
 

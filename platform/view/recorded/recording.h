@@ -94,10 +94,16 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
 /// Returns false unless the line has exactly numbers.size() numbers.
 bool read_numbers(std::string_view line, std::span<double> numbers);
 
+using UseNames = std::function<std::string(const std::vector<std::string>& names)>;
+using UseRow = std::function<std::string(const std::string& line)>;
+
 /// Reads a file: passes its first line to begin(names) and each row to add(line). Both return empty or an
 /// error. Returns empty or the first error.
-std::string read_rows(const std::string& path,
-                      const std::function<std::string(const std::vector<std::string>& names)>& begin,
-                      const std::function<std::string(const std::string& line)>& add);
+std::string read_rows(const std::string& path, const UseNames& begin, const UseRow& add);
+
+/// Recomputes logs of buses as replay_log() does, and passes every step as a row of a trace, as read_rows()
+/// does. The columns of joints, energy and faults are 0. The result has no recording.
+RecordingResult replay_rows(const std::string& log, const std::string& scene_path, const SceneConfig& scene,
+                            const UseNames& begin, const UseRow& add);
 
 }  // namespace godobject

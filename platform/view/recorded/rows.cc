@@ -92,9 +92,7 @@ bool read_numbers(std::string_view line, std::span<double> numbers) {
   return true;
 }
 
-std::string read_rows(const std::string& path,
-                      const std::function<std::string(const std::vector<std::string>& names)>& begin,
-                      const std::function<std::string(const std::string& line)>& add) {
+std::string read_rows(const std::string& path, const UseNames& begin, const UseRow& add) {
   std::ifstream in(path, std::ios::binary);
   std::string line;
   if (!in || !std::getline(in, line)) return path + ": cannot be read, or is empty";

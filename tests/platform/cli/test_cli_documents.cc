@@ -70,6 +70,17 @@ TEST_F(CliDocuments, TheManualPageListsEveryVerbAndOption) {
   EXPECT_GT(num_options, 60u);
 }
 
+TEST_F(CliDocuments, AVerbWithATextOfItsOwnHasItInHelpAndManualPage) {
+  const ProgramResult man = run_program("man");
+  for (const std::string verb : {"metrics", "doctor"}) {
+    const std::string text = app_.get_subcommand(verb)->get_footer();
+    EXPECT_NE(text, app_.get_footer());
+    EXPECT_THAT(man.output, HasSubstr(text.substr(0, 24)));
+    EXPECT_THAT(run_program(verb + " --help").output, HasSubstr(text.substr(0, 24)));
+  }
+  EXPECT_THAT(run_program("check --help").output, HasSubstr("Exit codes: 0 ok, 1 fault"));
+}
+
 TEST_F(CliDocuments, CompletionHasVerbsOptionsAndValues) {
   if (std::system("bash -c true") != 0) GTEST_SKIP() << "no bash here";
   for_each_verb(app_, "", [&](const std::string& path, const CLI::App& verb) {
