@@ -198,7 +198,8 @@ class PySession {
     begun_.clear();
     for (std::uint64_t left = n; left > 0 && begun_.empty();) {
       const std::uint64_t some = std::min(left, steps_between_signals);
-      advance(some, rows);
+      if (advance(some, rows) < some && begun_.empty())
+        throw std::runtime_error("the device did not come up: reset() starts the session again");
       left -= some;
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
@@ -291,17 +292,20 @@ class PySession {
   }
 
   /// Takes steps without the interpreter's lock, up to one in which a fault is to be raised; shows the last.
-  void advance(std::uint64_t n, Rows& rows) {
+  /// Returns their number.
+  std::uint64_t advance(std::uint64_t n, Rows& rows) {
+    std::uint64_t taken = 0;
     stepping_ = true;
     {
       const py::gil_scoped_release released;
-      for (std::uint64_t i = 0; i < n && begun_.empty() && session_->advance(record_); ++i) {
+      for (; taken < n && begun_.empty() && session_->advance(record_); ++taken) {
         note_faults();
         if (rows.every > 0 && record_.cycle % rows.every == 0) keep(rows);
       }
     }
     stepping_ = false;
     show();
+    return taken;
   }
 
   void note_faults() {

@@ -20,12 +20,12 @@ def main():
     parser.add_argument("--module", required=True)
     parser.add_argument("--left-out", default="")
     known, further = parser.parse_known_args()
+    if known.left_out:
+        print(f"skipped: the build has no Python module: {known.left_out}")
+        return 77
     missing = [debian for module, debian in PACKAGES.items() if importlib.util.find_spec(module) is None]
     if missing:
         print(f"skipped: {sys.executable} has no {', '.join(missing)}: apt-get install {' '.join(missing)}")
-        return 77
-    if known.left_out:
-        print(f"skipped: the build has no Python module: {known.left_out}")
         return 77
     import pytest
     sys.dont_write_bytecode = True

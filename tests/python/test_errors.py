@@ -1,5 +1,7 @@
 """Mistakes of users: exceptions with place or key."""
 import pickle
+import signal
+import threading
 import tomllib
 
 import numpy as np
@@ -172,6 +174,24 @@ def test_faults_can_be_reported_instead(unplugged):
     assert len(rows) == 1001 and 0.3 < scene.faults["sample_stale"] < 0.5
     scene.reset()
     assert scene.faults == {}
+
+
+def test_a_device_that_does_not_come_up_is_a_fault(unplugged):
+    unplugged["fault"][0]["at"] = 0
+    with pytest.raises(FaultError) as caught:
+        Scene.from_dict(unplugged, folder="sim/scenes")
+    assert caught.value.faults == ("not_ready",) and "boot_timeout" in str(caught.value)
+
+
+def test_ctrl_c_ends_a_step():
+    scene = Scene(WALL)
+    timer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        scene.step(10**12)
+    steps = scene.steps
+    scene.step(1)
+    assert scene.steps == steps + 1
 
 
 def test_wrong_arguments_are_refused():
