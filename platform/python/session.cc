@@ -76,23 +76,32 @@ void write(const Twist& V, double* to) {
   write(V.w, to + 3);
 }
 
-/// Quantity of each body: name, numbers of a body, and the function that writes them.
+/// Quantity of each body: name, numbers of a body, the function that writes them, and the text of the view.
 struct BodyQuantity {
   const char* name;
   std::size_t width;
   void (*write)(const BodyView& body, double* to);
+  const char* about;
 };
 
 constexpr std::array body_quantities{
-    BodyQuantity{"positions", 3, [](const BodyView& b, double* to) { write(b.X_WB.p, to); }},
-    BodyQuantity{"quaternions", 4, [](const BodyView& b, double* to) { write(b.X_WB.q, to); }},
-    BodyQuantity{"twists", 6, [](const BodyView& b, double* to) { write(b.V_WB, to); }},
-    BodyQuantity{"coupling_wrenches", 6, [](const BodyView& b, double* to) { write(b.coupling_B, to); }},
-    BodyQuantity{"feedback_wrenches", 6, [](const BodyView& b, double* to) { write(b.feedback_D, to); }},
-    BodyQuantity{"contact_wrenches", 6, [](const BodyView& b, double* to) { write(b.contact_W, to); }},
-    BodyQuantity{"joint_wrenches", 6, [](const BodyView& b, double* to) { write(b.joint_C, to); }},
-    BodyQuantity{"target_positions", 3, [](const BodyView& b, double* to) { write(b.target.X_WD.p, to); }},
-    BodyQuantity{"target_quaternions", 4, [](const BodyView& b, double* to) { write(b.target.X_WD.q, to); }},
+    BodyQuantity{"positions", 3, [](const BodyView& b, double* to) { write(b.X_WB.p, to); },
+                 "of the bodies' origins, m"},
+    BodyQuantity{"quaternions", 4, [](const BodyView& b, double* to) { write(b.X_WB.q, to); }, "w, x, y, z"},
+    BodyQuantity{"twists", 6, [](const BodyView& b, double* to) { write(b.V_WB, to); },
+                 "velocity, m/s, and angular velocity, rad/s"},
+    BodyQuantity{"coupling_wrenches", 6, [](const BodyView& b, double* to) { write(b.coupling_B, to); },
+                 "of the couplings on the bodies, about their origins: N, N m"},
+    BodyQuantity{"feedback_wrenches", 6, [](const BodyView& b, double* to) { write(b.feedback_D, to); },
+                 "displayed, about the targets' origins: N, N m"},
+    BodyQuantity{"contact_wrenches", 6, [](const BodyView& b, double* to) { write(b.contact_W, to); },
+                 "sums of the contacts, about the origins, mean over the step: N, N m"},
+    BodyQuantity{"joint_wrenches", 6, [](const BodyView& b, double* to) { write(b.joint_C, to); },
+                 "of each body's joint on it, about the joint's anchor, mean over the step: N, N m"},
+    BodyQuantity{"target_positions", 3, [](const BodyView& b, double* to) { write(b.target.X_WD.p, to); },
+                 "m; without meaning for a body without a coupling"},
+    BodyQuantity{"target_quaternions", 4, [](const BodyView& b, double* to) { write(b.target.X_WD.q, to); },
+                 "w, x, y, z; without meaning for a body without a coupling"},
 };
 
 using Numbers = std::vector<double>;
@@ -172,8 +181,8 @@ class PySession {
       for (const BusLoad& load : bus_load(*scene_.device->rig, scene_.step, usual_load(*scene_.device->rig)))
         if (is_overloaded(load)) errors.push_back(load_advice(load));
     refuse("SceneError", path, errors);
-    file_ = path;
-    start(Motion(scene_));
+    for (std::string& warning : start(Motion(scene_), "SceneError", path))
+      warnings_.push_back({.file = path, .at = {}, .text = std::move(warning)});
   }
 
   /// Starts again at t = 0. motion: table as text; none: that of the file. file: its path, or the name of the
@@ -181,12 +190,12 @@ class PySession {
   std::vector<std::string> reset(const std::optional<std::string>& motion, const std::string& file) {
     require_idle();
     if (file.empty()) {
-      start(Motion(scene_));
+      static_cast<void>(start(Motion(scene_), "SceneError", scene_.name));
       return {};
     }
     MotionResult read = motion ? Motion::parse(*motion, file, scene_) : Motion::read(file, scene_);
     refuse("MotionError", file, read.errors, std::move(read.placed_errors));
-    start(*std::move(read.motion));
+    append(read.notes, start(*std::move(read.motion), "MotionError", file));
     return std::move(read.notes);
   }
 
@@ -260,11 +269,15 @@ class PySession {
     if (stepping_) throw std::runtime_error("the scene is stepping in another thread: wait for it");
   }
 
-  void start(Motion motion) {
-    end_ = motion.end();
+  /// Starts a session. Returns advice on its start. exception: for errors, about this file.
+  std::vector<std::string> start(Motion motion, const char* exception, const std::string& file) {
+    const std::optional<double> end = motion.end();
     Session::Made made = make_session(scene_, std::move(motion), bus_, profiles_);
-    refuse("SceneError", file_, made.errors);
+    refuse(exception, file, made.errors);
+    StartCheck check = check_start(*made.session);
+    refuse(exception, file, check.errors);
     session_ = std::move(made.session);
+    end_ = end;
     first_.clear();
     present_ = 0;
     record_ = session_->at_start();
@@ -274,6 +287,7 @@ class PySession {
     name_surfaces_and_nodes(engine.nets());
     if (!session_->boot(usual_boot_limit_s)) raise_not_ready();
     show();
+    return std::move(check.warnings);
   }
 
   void name_surfaces_and_nodes(const SceneNets& nets) {
@@ -328,7 +342,7 @@ class PySession {
     shown_ = record_;
     for (std::size_t k = 0; k < body_quantities.size(); ++k) {
       body_numbers_[k].clear();
-      append(record_, k, body_numbers_[k]);
+      add_bodies(record_, k, body_numbers_[k]);
     }
     num_touching_ = session_->engine().contacts(touching_);
     session_->engine().net_nodes(nodes_);
@@ -336,11 +350,11 @@ class PySession {
     for (std::size_t i = 0; i < nodes_.size(); ++i) write(nodes_[i], &net_nodes_[3 * i]);
   }
 
-  static void append(const CycleRecord& record, std::size_t quantity, Numbers& to) {
-    const auto& [name, width, write_to] = body_quantities[quantity];
+  static void add_bodies(const CycleRecord& record, std::size_t quantity, Numbers& to) {
+    const BodyQuantity& of = body_quantities[quantity];
     for (const BodyView& body : record.bodies) {
-      to.resize(to.size() + width);
-      write_to(body, &*to.end() - width);
+      to.resize(to.size() + of.width);
+      of.write(body, to.data() + to.size() - of.width);
     }
   }
 
@@ -348,7 +362,7 @@ class PySession {
     rows.t.push_back(record_.t);
     rows.energy.push_back(record_.energy.total);
     rows.joint_q.insert(rows.joint_q.end(), record_.joint_q.begin(), record_.joint_q.end());
-    for (std::size_t k = 0; k < rows.of.size(); ++k) append(record_, k, rows.of[k]);
+    for (std::size_t k = 0; k < rows.of.size(); ++k) add_bodies(record_, k, rows.of[k]);
   }
 
   py::dict to_python(Rows rows) const {
@@ -365,7 +379,6 @@ class PySession {
   }
 
   bool raises_faults_;
-  std::string file_;
   SceneConfig scene_;
   RigProfiles profiles_;
   BusChoice bus_ = BusChoice::direct;
@@ -396,11 +409,14 @@ std::vector<std::string> names(const std::vector<Of>& all) {
 
 void add_views(py::class_<PySession>& type) {
   for (std::size_t k = 0; k < body_quantities.size(); ++k)
-    type.def_property_readonly(body_quantities[k].name, [k](const py::object& self) {
-      const auto& session = self.cast<const PySession&>();
-      const std::size_t bodies = session.scene().bodies.size();
-      return view(session.body_numbers(k), {length(bodies), length(body_quantities[k].width)}, self);
-    });
+    type.def_property_readonly(
+        body_quantities[k].name,
+        [k](const py::object& self) {
+          const auto& session = self.cast<const PySession&>();
+          const std::size_t bodies = session.scene().bodies.size();
+          return view(session.body_numbers(k), {length(bodies), length(body_quantities[k].width)}, self);
+        },
+        body_quantities[k].about);
   type.def_property_readonly("joint_coordinates", [](const py::object& self) {
     const Numbers& q = self.cast<const PySession&>().joint_numbers();
     return view(q, {length(q.size())}, self);

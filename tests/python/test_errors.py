@@ -118,6 +118,20 @@ def test_advice_is_a_warning(wall):
     assert caught[0].filename == __file__
 
 
+def test_a_motion_that_starts_far_away_is_refused_as_by_run(wall):
+    scene = Scene(WALL)
+    far = np.zeros((2, 8))
+    far[:, 0], far[:, 1], far[:, 4] = (0, 1), 5, 1
+    with pytest.raises(MotionError, match="starts 5.000 m .* from its target; at most 1 m"):
+        scene.run(far)
+    far[:, 1] = 0.5
+    with pytest.warns(SceneWarning, match="starts 0.500 m"):
+        scene.reset(far)
+    wall["motion"]["position"] = [5.0, 0.0, 0.0]
+    with pytest.raises(SceneError, match="from its target"):
+        Scene.from_dict(wall)
+
+
 def test_columns_that_are_not_used_are_a_warning(tmp_path):
     path = tmp_path / "m.csv"
     path.write_text("t,peg.x,peg.y,peg.z,peg.qw,peg.qx,peg.qy,peg.qz,more\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
