@@ -190,6 +190,8 @@ class PySession {
   std::vector<std::string> reset(const std::optional<std::string>& motion, const std::string& file) {
     require_idle();
     if (file.empty()) {
+      session_
+          .reset();  // its memory, still in the cache, serves the next one; this motion was accepted before
       static_cast<void>(start(Motion(scene_), "SceneError", scene_.name));
       return {};
     }
@@ -267,6 +269,7 @@ class PySession {
  private:
   void require_idle() const {
     if (stepping_) throw std::runtime_error("the scene is stepping in another thread: wait for it");
+    if (!session_) throw std::runtime_error("the scene could not be started again: make another one");
   }
 
   /// Starts a session. Returns advice on its start. exception: for errors, about this file.
