@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
@@ -20,6 +21,7 @@
 #include "hal/rig/bus_load.h"
 #include "platform/cli/fault_texts.h"
 #include "platform/rig/buses.h"
+#include "platform/session/limits.h"
 #include "platform/simulated/session.h"
 
 namespace py = pybind11;
@@ -263,7 +265,14 @@ class PySession {
   const Numbers& joint_numbers() const { return shown_.joint_q; }
   const Numbers& net_nodes() const { return net_nodes_; }
   /// First time of each fault since the start, s.
-  const std::map<std::string, double>& faults() const { return first_; }
+  const std::map<std::string, double>& faults() const { return shown_faults_; }
+  /// Number of steps since the start in which each limit was active, as in the report of a run.
+  std::map<std::string, std::uint64_t> limits() const {
+    std::map<std::string, std::uint64_t> steps;
+    for (std::size_t i = 0; i < run_limits.size(); ++i)
+      if (shown_limits_[i] > 0) steps.emplace(run_limits[i].name, shown_limits_[i]);
+    return steps;
+  }
   py::list warnings() const { return problems(warnings_); }
 
  private:
@@ -282,6 +291,9 @@ class PySession {
     session_ = std::move(made.session);
     end_ = end;
     first_.clear();
+    limit_steps_ = {};
+    limited_ = Limited::none;
+    active_limits_ = 0;
     present_ = 0;
     record_ = session_->at_start();
     const Engine& engine = session_->engine();
@@ -316,6 +328,7 @@ class PySession {
     {
       const py::gil_scoped_release released;
       for (; taken < n && begun_.empty() && session_->advance(record_); ++taken) {
+        note_limits();
         note_faults();
         if (rows.every > 0 && record_.cycle % rows.every == 0) keep(rows);
       }
@@ -323,6 +336,14 @@ class PySession {
     stepping_ = false;
     show();
     return taken;
+  }
+
+  /// Counts the active limits, which are those of the step before if a scene without drives has equal bits.
+  void note_limits() {
+    if (session_->rig() || record_.limited != limited_) active_limits_ = active_limits(record_);
+    limited_ = record_.limited;
+    for (std::uint32_t active = active_limits_; active != 0; active &= active - 1)
+      ++limit_steps_[static_cast<std::size_t>(std::countr_zero(active))];
   }
 
   void note_faults() {
@@ -343,6 +364,8 @@ class PySession {
   /// Writes the state into the memory of the views.
   void show() {
     shown_ = record_;
+    shown_faults_ = first_;
+    shown_limits_ = limit_steps_;
     for (std::size_t k = 0; k < body_quantities.size(); ++k) {
       body_numbers_[k].clear();
       add_bodies(record_, k, body_numbers_[k]);
@@ -397,7 +420,10 @@ class PySession {
   std::vector<std::string> surface_names_, node_names_;
   FaultBits present_ = 0;
   std::vector<FaultText> begun_;  // faults to raise
-  std::map<std::string, double> first_;
+  std::map<std::string, double> first_, shown_faults_;
+  Limited limited_ = Limited::none;
+  std::uint32_t active_limits_ = 0;
+  std::array<std::uint64_t, run_limits.size()> limit_steps_{}, shown_limits_{};
   bool stepping_ = false;  // true while the steps are taken; guarded by the interpreter's lock
 };
 
@@ -446,7 +472,10 @@ PYBIND11_MODULE(_core, module) {
       .def("_num_steps", &PySession::num_steps, py::arg("duration"))
       .def("_contacts", &PySession::contacts)
       .def_property_readonly("_warnings", &PySession::warnings)
-      .def_property_readonly("faults", &PySession::faults)
+      .def_property_readonly("faults", &PySession::faults,
+                             "name of each fault since the start: time of the first, s")
+      .def_property_readonly("limits", &PySession::limits,
+                             "name of each limit that was active since the start: number of steps")
       .def_property_readonly("state_hash", &PySession::state_hash)
       .def_property_readonly("name", [](const PySession& s) { return s.scene().name; })
       .def_property_readonly("step_s", [](const PySession& s) { return s.scene().step; })

@@ -17,6 +17,7 @@ def test_the_state_is_that_of_run(run, scene):
     assert by_steps.state_hash == report["state_hash"]
     by_steps.run(duration=0.4, every=0)
     assert by_steps.state_hash == report["state_hash"]
+    assert by_steps.limits == report["limits"]
 
 
 def test_rows_are_those_of_the_trace(run, tmp_path):

@@ -83,7 +83,7 @@ class Scene(Session):
 
     bus: "sim": the scene's device, simulated; "direct": none, the motion drives the core; None: as `godobject run`.
     on_fault: "raise": FaultError after the step in which a fault begins; "report": steps go on. `faults` has the
-    name of each since the start, with the time when it first began.
+    name of each since the start, with the time when it first began; `limits` the number of steps of each limit.
     Raises SceneError, with all errors of the file and their places.
     """
 
