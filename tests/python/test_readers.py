@@ -46,6 +46,9 @@ def test_bad_lines_are_named(files):
     with pytest.raises(ReadError, match="zero") as caught:
         read_trace(folder / "word.csv")
     assert caught.value.line == 6
+    (folder / "odd.csv").write_text("t,x\n0,1_000\n")  # a number for Python, not for numpy
+    with pytest.raises(ReadError):
+        read_trace(folder / "odd.csv")
     for read in (read_trace, read_contacts, read_recording, read_report):
         with pytest.raises(ReadError, match="cannot be read") as caught:
             read(folder / "absent")

@@ -3,7 +3,7 @@ import csv
 import json
 import os
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,7 +174,7 @@ def _lines(path):
     return lines
 
 
-def _refuse_row(path, lines, columns):
+def _refuse_row(path: str | os.PathLike, lines: list[str], columns: int) -> NoReturn:
     """Refuses the first line that is not numbers, or not as many as there are columns."""
     for number, line in enumerate(lines[1:], 2):
         fields = line.split(",")
@@ -185,7 +185,8 @@ def _refuse_row(path, lines, columns):
                 float(field)
             except ValueError:
                 _refuse(path, f"{field[:40]!r} is not a number", number)
+    _refuse(path, "the lines are not numbers between commas", 2)
 
 
-def _refuse(path, message, line, column=None):
+def _refuse(path: str | os.PathLike, message: str, line: int | None, column: int | None = None) -> NoReturn:
     raise ReadError([Problem(message, os.fspath(path), line, column or (1 if line else None))])
