@@ -128,9 +128,9 @@ CsvResult motion_of_trace(const CsvTable& table, const std::string& file, const 
   if (!complete) {
     const std::string wanted =
         targets.empty() ? "" : targets.front() + (by_wrenches ? ".hand.fx" : ".target.x");
-    return {std::nullopt,
-            {file + ":1:1: the trace has no column '" + wanted + "', which scene '" + scene.name +
-             "' requires: give the trace of this scene"}};
+    const std::string why = "the trace has no column '" + wanted + "', which scene '" + scene.name +
+                            "' requires: give the trace of this scene";
+    return {std::nullopt, {format_diagnostic(file, {1, 1}, why)}, {{file, TextPosition{1, 1}, why}}};
   }
   for (const std::string& target : targets) {
     if (!grips_bodies(scene)) columns.add(target + ".engaged", target + ".engaged");

@@ -34,7 +34,7 @@ class MotionReader {
     check_holds();
     if (log_.ok()) check_finite(used);
     if (log_.ok()) fill(content);
-    if (!log_.ok()) return {std::nullopt, log_.errors(), log_.warnings()};
+    if (!log_.ok()) return {std::nullopt, log_.errors(), log_.warnings(), log_.placed_errors()};
     return {std::move(motion_), {}, log_.warnings()};
   }
 
@@ -333,13 +333,14 @@ class MotionReader {
 
 MotionResult Motion::parse(std::string_view csv, const std::string& file, const SceneConfig& scene) {
   const CsvResult result = parse_motion_table(csv, file, scene);
-  if (!result.table) return {std::nullopt, result.errors, {}};
+  if (!result.table) return {std::nullopt, result.errors, {}, result.placed_errors};
   return MotionReader(*result.table, file, scene).read();
 }
 
 MotionResult Motion::read(const std::string& path, const SceneConfig& scene) {
   const FileText file = read_file(path, max_csv_bytes);
-  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}, {}};
+  if (!file.text)
+    return {std::nullopt, {printable(path) + ": " + file.why_not}, {}, {{printable(path), {}, file.why_not}}};
   return parse(*file.text, path, scene);
 }
 

@@ -58,20 +58,21 @@ std::string not_found(const std::string& name, const std::string& scene_folder) 
 LoadResult parse_scene(std::string_view toml, const std::string& file, const FaultChecks& checks) {
   Diagnostics log(file);
   const std::optional<toml::table> parsed = parse_toml(toml, log);
-  if (!parsed) return {std::nullopt, log.errors(), {}};
+  if (!parsed) return {std::nullopt, log.errors(), {}, log.placed_errors()};
   SceneConfig scene;
   scene.integrator.clear();  // set once the scene's contacts are known
   TomlReader reader(*parsed, "", "the file", log);
   visit_scene(reader, scene, checks);
   reader.finish();
-  if (!log.ok()) return {std::nullopt, log.errors(), log.warnings()};
+  if (!log.ok()) return {std::nullopt, log.errors(), log.warnings(), log.placed_errors()};
   if (scene.integrator.empty()) scene.integrator = default_integrator(scene);
-  return {std::move(scene), {}, log.warnings()};
+  return {std::move(scene), {}, log.warnings(), {}, log.placed_warnings()};
 }
 
 LoadResult load_scene(const std::string& path, const FaultChecks& checks) {
   const FileText file = read_file(path, max_toml_bytes);
-  if (!file.text) return {std::nullopt, {printable(path) + ": " + file.why_not}, {}};
+  if (!file.text)
+    return {std::nullopt, {printable(path) + ": " + file.why_not}, {}, {{printable(path), {}, file.why_not}}};
   return parse_scene(*file.text, path, checks);
 }
 

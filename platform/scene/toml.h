@@ -10,6 +10,7 @@
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/params.h"
 #include "platform/scene/scene.h"
+#include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
 
@@ -26,6 +27,7 @@ struct LoadResult {
   std::optional<SceneConfig> scene;   // absent if there are errors
   std::vector<std::string> errors;    // all errors of the file, each "file:line:column: text; remedy"
   std::vector<std::string> warnings;  // of the same form
+  std::vector<PlacedText> placed_errors{}, placed_warnings{};  // with their places
 };
 
 /// checks: checks by the simulator of the scene's device. By default there is none, and [[fault]] tables are

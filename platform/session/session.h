@@ -181,6 +181,16 @@ class Session {
   std::uint64_t cycle_ = 0;
 };
 
+/// Errors and warnings about the start of a session; no file is named in them.
+struct StartCheck {
+  std::vector<std::string> errors, warnings;
+};
+
+/// Checks the distance of each body from its target at the start, since the coupling would fling it there.
+/// Warns above 0.1 m or 0.5 rad; fails above 1 m or 3 rad, of which millimetres or degrees are the usual
+/// cause. Does nothing on real buses, whose device reports its pose later.
+StartCheck check_start(const Session& session);
+
 /// Interface to a simulation of the scene's device. Code that runs scenes links no simulation; a program that
 /// links one passes this. platform/simulated/session.h implements it. Default: no simulator; runs then use
 /// real devices or none.

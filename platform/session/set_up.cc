@@ -1,10 +1,43 @@
 // Session: construction and validation.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 
 #include "platform/session/session.h"
 
 namespace godobject {
 namespace {
+
+constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
+
+/// True if the offset exceeds the bound by more than rounding.
+bool exceeds(const PoseError& offset, const PoseError& bound) {
+  return offset.m > 1.001 * bound.m || offset.rad > 1.001 * bound.rad;
+}
+
+std::string text_of(const std::string& body, const PoseError& offset) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "body '%s' starts %.3f m and %.3f rad from its target",
+                body.c_str(), offset.m, offset.rad);
+  return text.data();
+}
+
+/// Warns of degrees in place of radians: hardly a hinge starts more than a turn from its zero.
+void check_joints(const Session& session, std::vector<std::string>& warnings) {
+  const std::optional<JointTarget> start = session.joints_at_start();
+  if (!start) return;
+  const std::vector<DeviceJoint>& joints = device_tree(session.scene())->joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double q = start->q[static_cast<Eigen::Index>(i)];
+    if (joints[i].kind != DeviceJointKind::hinge || std::abs(q) <= 2 * pi) continue;
+    std::array<char, 200> text{};
+    std::snprintf(text.data(), text.size(),
+                  "joint '%s' starts at %.4g rad, more than a turn: give angles in radians",
+                  joints[i].name.c_str(), q);
+    warnings.emplace_back(text.data());
+  }
+}
 
 /// Checks that the motion moves the device's joints if any joint of the scene is prescribed.
 void check_motion_of_joints(const SceneConfig& scene, const Motion& motion, bool real,
@@ -94,6 +127,23 @@ void Session::connect(DeviceParts device, std::vector<std::string>& errors) {
     if (errors.empty()) phases_.add(trackers_.emplace(scene_, std::move(device.trackers), device.clock));
   }
   truth_ = std::move(device.truth);
+}
+
+StartCheck check_start(const Session& session) {
+  StartCheck check;
+  check_joints(session, check.warnings);
+  const SceneConfig& scene = session.scene();
+  for (const std::size_t body : driven_bodies(scene)) {
+    const std::optional<PoseError> offset = session.offset_at_start(body);
+    if (!offset || !exceeds(*offset, advised_offset)) continue;
+    const std::string what = text_of(scene.bodies[body].name, *offset);
+    if (exceeds(*offset, largest_offset))
+      check.errors.push_back(what +
+                             "; at most 1 m and 3 rad are admissible: give lengths in metres and angles in "
+                             "radians, or start the motion at the body");
+    else check.warnings.push_back(what + ", and the coupling pulls it there: start the motion at the body");
+  }
+  return check;
 }
 
 }  // namespace godobject

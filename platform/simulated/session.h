@@ -1,5 +1,5 @@
-// Simulated devices of scenes. This folder and the command line's `simulate` are the only users of sim in
-// platform. It is a library of its own (godobject::simulated).
+// Simulated devices of scenes. This folder, the command line's `simulate` and the Python module are the only
+// users of sim in platform. It is a library of its own (godobject::simulated).
 #pragma once
 
 #include <memory>

@@ -45,6 +45,7 @@ TERMINAL = re.compile(r"/dev/pts/\d+")
 VIEW = re.compile(r"http://([\w.]+):(\d+)/\?token=(\w+)")
 FAULT = re.compile(r"(?:FAULT |^(?=\w+ \(\w+ node \d))(\w+)", re.M)  # of `run`, and of a RigRun
 AFTER = re.compile(r"^<!-- after: (\S+) -->$", re.M)
+MODULE = "module godobject._core in its build"
 TOOLS = {"gnuplot", "g++", "cmake", "ninja"}  # of Debian; a page that needs a missing one is skipped
 
 
@@ -232,13 +233,22 @@ def python_for_hil():
     return None
 
 
-def missing_tools(text):
+def has_numpy(python):
+    return subprocess.run([python, "-c", "import numpy"], capture_output=True).returncode == 0
+
+
+def missing_tools(text, build=None):
     commands = "".join(b.text for b in blocks_of(text) if b.language == "sh")
     needed = {tool for tool in TOOLS if re.search(rf"^{re.escape(tool)} ", commands, re.M)}
     needed |= {"gnuplot"} if "./dev plot" in commands else set()
     needed |= {"python3-pytest"} if "pytest" in commands else set()
+    needed |= {MODULE, "python3-numpy"} if "godobject.Scene(" in text else set()
 
     def is_there(tool):
+        if tool == MODULE:
+            return build is not None and any((build / "platform/python/godobject").glob("_core*"))
+        if tool == "python3-numpy":
+            return has_numpy(python_for_hil() or "python3")
         return bool(python_for_hil()) if tool == "python3-pytest" else shutil.which(tool) is not None
 
     return sorted(tool for tool in needed if not is_there(tool))
@@ -288,7 +298,7 @@ def main():
     if not any(block.language == "sh" for block in blocks_of(text)):
         print("no commands in it")
         return 1
-    if missing := missing_tools(text):
+    if missing := missing_tools(text, arguments.build):
         skip(f"this machine has no {', '.join(missing)}")
     for attempt in range(ATTEMPTS):
         try:

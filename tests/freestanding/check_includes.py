@@ -23,7 +23,7 @@ MAY_INCLUDE = {"core": {"core"}, "hal": {"core", "hal"}, "sim": {"core", "hal", 
 FLOOR = {"core/composition.h": "core/math", "core/fault.h": "core/math", "core/tuning.h": "core/math"}
 # Arrows against the direction, room -> room, each with its reason. One without which there is no circle is refused.
 PERMITTED = {("core/contact", "core/net"): "contacts of nodes have a pipeline of their own until they are contacts like any other"}
-SIMULATE = {("platform", "simulated"), ("platform", "cli", "simulate")}
+SIMULATE = {("platform", "simulated"), ("platform", "cli", "simulate"), ("platform", "python")}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 

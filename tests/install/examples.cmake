@@ -21,6 +21,10 @@ run(${prefix}/bin/godobject check ${prefix}/share/godobject/scenes/grasper.toml)
 # The Python modules, from the prefix alone.
 run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages ${Python3_EXECUTABLE}
     ${SOURCE}/tests/install/hil_from_prefix.py ${prefix} ${SOURCE}/tests/hil/rig.toml)
+if(MODULE_PYTHON)
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages ${MODULE_PYTHON} -c
+      "import godobject._core as core; from godobject import Scene; assert core.__file__.startswith('${prefix}'); Scene('${prefix}/share/godobject/scenes/wall.toml').step(10)")
+endif()
 # pkg-config gives the same flags as the package.
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "")

@@ -1,5 +1,5 @@
-// Checks of a prepared run: options against each other and the scene, and the motion. The motion must start
-// near the bodies and be no faster than a hand.
+// Checks of a prepared run: options against each other and the scene, and the motion, which must be no faster
+// than a hand.
 #include "platform/cli/run/options.h"
 
 #include <unistd.h>
@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t max_interface_name = 15;  // limit of candump's format
-constexpr PoseError advised_offset{.m = 0.1, .rad = 0.5}, largest_offset{.m = 1, .rad = 3};
 
 struct NamedPath {
   std::string option;
@@ -85,34 +84,6 @@ void check_contacts(const RunOptions& options, const SceneConfig& scene, std::ve
 void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
   if (!options.files.nets.empty() && scene.nets.empty())
     errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
-}
-
-/// True if the offset exceeds the bound by more than rounding.
-bool exceeds(const PoseError& offset, const PoseError& bound) {
-  return offset.m > 1.001 * bound.m || offset.rad > 1.001 * bound.rad;
-}
-
-std::string text_of(const std::string& body, const PoseError& offset) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "body '%s' starts %.3f m and %.3f rad from its target",
-                body.c_str(), offset.m, offset.rad);
-  return text.data();
-}
-
-/// Warns of degrees in place of radians: hardly a hinge starts more than a turn from its zero.
-void check_joints(const Session& session, const std::string& file, std::vector<std::string>& warnings) {
-  const std::optional<JointTarget> start = session.joints_at_start();
-  if (!start) return;
-  const std::vector<DeviceJoint>& joints = device_tree(session.scene())->joints;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const double q = start->q[static_cast<Eigen::Index>(i)];
-    if (joints[i].kind != DeviceJointKind::hinge || std::abs(q) <= 2 * pi) continue;
-    std::array<char, 200> text{};
-    std::snprintf(text.data(), text.size(),
-                  ": joint '%s' starts at %.4g rad, more than a turn: give angles in radians",
-                  joints[i].name.c_str(), q);
-    warnings.push_back(file + text.data());
-  }
 }
 
 }  // namespace
@@ -198,22 +169,6 @@ std::string why_not_real_time(const RunOptions& options) {
     names += (names.empty() ? "" : ", ") + step.name + " (" + std::string(name_of(step.result)) + ")";
   return "--require-rt: this machine does not meet the real-time requirements: " + names +
          "; apply the remedies below, or remove --require-rt\n" + rt_table(unmet);
-}
-
-void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
-                 std::vector<std::string>& errors) {
-  check_joints(session, file, warnings);
-  const SceneConfig& scene = session.scene();
-  for (const std::size_t body : driven_bodies(scene)) {
-    const std::optional<PoseError> offset = session.offset_at_start(body);
-    if (!offset || !exceeds(*offset, advised_offset)) continue;
-    const std::string what = file + ": " + text_of(scene.bodies[body].name, *offset);
-    if (exceeds(*offset, largest_offset))
-      errors.push_back(what +
-                       "; at most 1 m and 3 rad are admissible: give lengths in metres and angles in "
-                       "radians, or start the motion at the body");
-    else warnings.push_back(what + ", and the coupling pulls it there: start the motion at the body");
-  }
 }
 
 void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,

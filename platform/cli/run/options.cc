@@ -214,7 +214,9 @@ PreparedRun prepare(const RunOptions& options) {
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
   if (made.session) {
     add_hand(options, *made.session, run);
-    check_start(*made.session, options.scene, run.warnings, run.errors);
+    const StartCheck start = check_start(*made.session);
+    for (const std::string& warning : start.warnings) run.warnings.push_back(options.scene + ": " + warning);
+    for (const std::string& error : start.errors) run.errors.push_back(options.scene + ": " + error);
     if (made.session->rig()) check_bus_loads(options, made.session->scene(), of_file, run);
   }
   if (run.errors.empty()) run.session = std::move(made.session);

@@ -93,13 +93,6 @@ void check_real_buses(const RunOptions& options, PreparedRun& run);
 /// or without --require-rt.
 std::string why_not_real_time(const RunOptions& options);
 
-/// Checks the distance of each body from its target at the start, since the coupling would fling it there.
-/// Warns above 0.1 m or 0.5 rad; fails above 1 m or 3 rad, of which millimetres or degrees are the usual
-/// cause. Does nothing on real buses, whose device reports its pose later.
-/// file: name of the scene in messages.
-void check_start(const Session& session, const std::string& file, std::vector<std::string>& warnings,
-                 std::vector<std::string>& errors);
-
 /// Warns of a motion whose target is faster than a hand.
 /// duration: duration of the run, s.
 void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,

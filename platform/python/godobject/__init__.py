@@ -1,1 +1,43 @@
-"""Python tools of godobject. `godobject.hil`: hardware-in-the-loop tests."""
+"""Python of godobject.
+
+- `Scene`: the session of `godobject run` as arrays (docs/how-to/python.md)
+- `read_trace`, `read_contacts`, `read_recording`, `read_report`: files of `godobject run` as arrays
+- `godobject.device`: a program of your own as the device of a run
+- `godobject.hil`: hardware-in-the-loop tests
+
+The last two need the standard library alone; the others need numpy, `Scene` also the compiled module.
+"""
+import importlib
+import pathlib
+import pkgutil
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .errors import FaultError, InputError, MotionError, Problem, ReadError, SceneError, SceneWarning
+    from .readers import Report, Trace, read_contacts, read_recording, read_report, read_trace
+    from .scene import Contacts, Rows, Scene
+
+# The compiled module: beside this file if installed, else of a build directory in PYTHONPATH, or of build/release.
+__path__ = pkgutil.extend_path(__path__, __name__)
+_build = pathlib.Path(__file__).parents[3] / "build/release/platform/python/godobject"
+if _build.is_dir() and str(_build) not in __path__:
+    __path__.append(str(_build))
+
+_MODULES = {
+    "errors": ("FaultError", "InputError", "MotionError", "Problem", "ReadError", "SceneError", "SceneWarning"),
+    "readers": ("Report", "Trace", "read_contacts", "read_recording", "read_report", "read_trace"),
+    "scene": ("Contacts", "Rows", "Scene"),
+}
+__all__ = [name for names in _MODULES.values() for name in names]
+
+
+def __getattr__(name: str) -> Any:
+    """Imports numpy and the compiled module where a name needs them, because godobject.hil does without."""
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(importlib.import_module("." + module, __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

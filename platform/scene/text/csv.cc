@@ -65,7 +65,7 @@ class CsvParser {
       text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (table_.columns_.empty()) error(1, "the header line is missing");
-    if (!log_.ok()) return {std::nullopt, log_.errors()};
+    if (!log_.ok()) return {std::nullopt, log_.errors(), log_.placed_errors()};
     return {std::move(table_), {}};
   }
 

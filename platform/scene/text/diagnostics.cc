@@ -148,17 +148,26 @@ bool Diagnostics::has_error(TextPosition at) const {
       errors_.kept, [&](const Entry& e) { return e.at.line == at.line && e.at.column == at.column; });
 }
 
-std::vector<std::string> Diagnostics::format(Entries entries) const {
+std::vector<PlacedText> Diagnostics::placed(Entries entries) const {
   std::ranges::stable_sort(entries.kept, {},
                            [](const Entry& e) { return std::tuple(e.at.line, e.at.column); });
-  std::vector<std::string> lines;
+  const std::string file = printable(file_);
+  std::vector<PlacedText> placed;
   for (const Entry& e : entries.kept) {
     const bool is_long = e.what.size() > max_message;
     const std::string what = is_long ? e.what.substr(0, max_message) + "..." : e.what;
-    lines.push_back(printable(format_diagnostic(file_, e.at, what)));
+    placed.push_back({.file = file, .at = e.at, .text = printable(what)});
   }
   if (entries.num_left_out > 0)
-    lines.push_back(printable(file_) + ": and " + std::to_string(entries.num_left_out) + " more");
+    placed.push_back(
+        {.file = file, .at = {}, .text = "and " + std::to_string(entries.num_left_out) + " more"});
+  return placed;
+}
+
+std::vector<std::string> Diagnostics::format(const std::vector<PlacedText>& entries) {
+  std::vector<std::string> lines;
+  for (const PlacedText& e : entries)
+    lines.push_back(e.at ? format_diagnostic(e.file, *e.at, e.text) : e.file + ": " + e.text);
   return lines;
 }
 

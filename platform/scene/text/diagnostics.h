@@ -26,6 +26,13 @@ inline void append(std::vector<std::string>& to, const std::vector<std::string>&
   to.insert(to.end(), from.begin(), from.end());
 }
 
+/// An error or a warning with its place in a file.
+struct PlacedText {
+  std::string file;
+  std::optional<TextPosition> at;  // none: of the whole file
+  std::string text;
+};
+
 /// Escapes every byte that is not printable UTF-8 as \xNN, so that no file can control a terminal.
 std::string printable(std::string_view text);
 /// Returns printable() of at most 40 bytes or so, since keys and words of a file may be megabytes long.
@@ -70,8 +77,11 @@ class Diagnostics {
   /// True if no more errors are kept.
   bool full() const { return errors_.kept.size() >= max_entries; }
   /// Return the entries formatted, in the order of the file.
-  std::vector<std::string> errors() const { return format(errors_); }
-  std::vector<std::string> warnings() const { return format(warnings_); }
+  std::vector<std::string> errors() const { return format(placed(errors_)); }
+  std::vector<std::string> warnings() const { return format(placed(warnings_)); }
+  /// Return the same with their places.
+  std::vector<PlacedText> placed_errors() const { return placed(errors_); }
+  std::vector<PlacedText> placed_warnings() const { return placed(warnings_); }
 
  private:
   static constexpr std::size_t max_entries = 100;
@@ -86,7 +96,8 @@ class Diagnostics {
   };
 
   static void add(Entries& entries, TextPosition at, std::string what);
-  std::vector<std::string> format(Entries entries) const;
+  std::vector<PlacedText> placed(Entries entries) const;
+  static std::vector<std::string> format(const std::vector<PlacedText>& entries);
 
   std::string file_;
   Entries errors_{}, warnings_{};

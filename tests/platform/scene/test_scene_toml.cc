@@ -87,6 +87,20 @@ TEST(SceneToml, UnknownKeyNamesPlaceAndNearestKey) {
       ElementsAre("a.toml:7:1: unknown key 'velocty' in [[body]]; the nearest known key is 'velocity'"));
 }
 
+TEST(SceneToml, ErrorsAndWarningsHaveTheirPlaces) {
+  const LoadResult refused = parse(replaced(minimal, "mass =", "mas = 1\nmass = -"));
+  ASSERT_EQ(refused.placed_errors.size(), refused.errors.size());
+  for (std::size_t i = 0; i < refused.errors.size(); ++i) {
+    const PlacedText& error = refused.placed_errors[i];
+    EXPECT_EQ(error.file, "a.toml");
+    EXPECT_EQ(format_diagnostic(error.file, error.at.value(), error.text), refused.errors[i]);
+  }
+  const LoadResult absent = load_scene("no/such.toml");
+  ASSERT_EQ(absent.placed_errors.size(), 1u);
+  EXPECT_FALSE(absent.placed_errors[0].at);
+  EXPECT_EQ(absent.placed_errors[0].file + ": " + absent.placed_errors[0].text, absent.errors.at(0));
+}
+
 TEST(SceneToml, UnknownTableIsRefused) {
   const LoadResult result = parse(minimal + "\n[devise]\nname = \"x\"\n");
   EXPECT_THAT(result.errors,

@@ -1,0 +1,492 @@
+// Python module godobject._core: a scene and its session. platform/python/godobject/scene.py extends it. The
+// interpreter's lock is released while steps are taken; no Python code runs per step.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hal/rig/bus_load.h"
+#include "platform/cli/fault_texts.h"
+#include "platform/rig/buses.h"
+#include "platform/session/limits.h"
+#include "platform/simulated/session.h"
+
+namespace py = pybind11;
+
+namespace godobject {
+namespace {
+
+constexpr std::uint64_t steps_between_signals = 4096;  // Ctrl-C is noticed after so many steps
+
+/// Errors of a scene or a motion, thrown as the Python exception of this name of godobject.errors.
+struct Refused {
+  const char* exception;
+  std::vector<PlacedText> errors;
+};
+
+/// Throws the errors, if there are any. placed: the same with their places, as far as they have some.
+void refuse(const char* exception, const std::string& file, const std::vector<std::string>& errors,
+            std::vector<PlacedText> placed = {}) {
+  if (errors.empty()) return;
+  if (placed.empty())
+    for (const std::string& error : errors) placed.push_back({.file = file, .at = {}, .text = error});
+  throw Refused{exception, std::move(placed)};
+}
+
+/// Returns the arguments of a Problem of godobject.errors for each text.
+py::list problems(const std::vector<PlacedText>& texts) {
+  py::list list;
+  for (const PlacedText& text : texts) {
+    const py::object line = text.at ? py::cast(text.at->line) : py::none();
+    const py::object column = text.at ? py::cast(text.at->column) : py::none();
+    list.append(py::make_tuple(text.text, text.file, line, column));
+  }
+  return list;
+}
+
+void raise(const Refused& refused) {
+  const py::object type = py::module_::import("godobject.errors").attr(refused.exception);
+  PyErr_SetObject(type.ptr(), type(problems(refused.errors)).ptr());
+}
+
+// --- quantities of a state ------------------------------------------------------------------------
+
+void write(const Vec3& a, double* to) { std::copy_n(a.data(), 3, to); }
+void write(const Quat& q, double* to) {
+  const std::array wxyz{q.w(), q.x(), q.y(), q.z()};
+  std::ranges::copy(wxyz, to);
+}
+void write(const Wrench& F, double* to) {
+  write(F.f, to);
+  write(F.tau, to + 3);
+}
+void write(const Twist& V, double* to) {
+  write(V.v, to);
+  write(V.w, to + 3);
+}
+
+/// Quantity of each body: name, numbers of a body, the function that writes them, and the text of the view.
+struct BodyQuantity {
+  const char* name;
+  std::size_t width;
+  void (*write)(const BodyView& body, double* to);
+  const char* about;
+};
+
+constexpr std::array body_quantities{
+    BodyQuantity{"positions", 3, [](const BodyView& b, double* to) { write(b.X_WB.p, to); },
+                 "of the bodies' origins, m"},
+    BodyQuantity{"quaternions", 4, [](const BodyView& b, double* to) { write(b.X_WB.q, to); }, "w, x, y, z"},
+    BodyQuantity{"twists", 6, [](const BodyView& b, double* to) { write(b.V_WB, to); },
+                 "velocity, m/s, and angular velocity, rad/s"},
+    BodyQuantity{"coupling_wrenches", 6, [](const BodyView& b, double* to) { write(b.coupling_B, to); },
+                 "of the couplings on the bodies, about their origins: N, N m"},
+    BodyQuantity{"feedback_wrenches", 6, [](const BodyView& b, double* to) { write(b.feedback_D, to); },
+                 "displayed, about the targets' origins: N, N m"},
+    BodyQuantity{"contact_wrenches", 6, [](const BodyView& b, double* to) { write(b.contact_W, to); },
+                 "sums of the contacts, about the origins, mean over the step: N, N m"},
+    BodyQuantity{"joint_wrenches", 6, [](const BodyView& b, double* to) { write(b.joint_C, to); },
+                 "of each body's joint on it, about the joint's anchor, mean over the step: N, N m"},
+    BodyQuantity{"target_positions", 3, [](const BodyView& b, double* to) { write(b.target.X_WD.p, to); },
+                 "m; without meaning for a body without a coupling"},
+    BodyQuantity{"target_quaternions", 4, [](const BodyView& b, double* to) { write(b.target.X_WD.q, to); },
+                 "w, x, y, z; without meaning for a body without a coupling"},
+};
+
+using Numbers = std::vector<double>;
+using Shape = std::vector<py::ssize_t>;
+
+/// Returns a read-only array of the numbers, which are in the memory of the owner.
+py::array view(const Numbers& numbers, const Shape& shape, const py::object& owner) {
+  py::array_t<double> array(shape, numbers.data(), owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+/// Returns a read-only array that owns the numbers.
+py::array array_of(Numbers numbers, const Shape& shape) {
+  auto* const owned = new Numbers(std::move(numbers));
+  return view(*owned, shape, py::capsule(owned, [](void* p) { delete static_cast<Numbers*>(p); }));
+}
+
+py::ssize_t length(std::size_t n) { return static_cast<py::ssize_t>(n); }
+
+// --- faults ---------------------------------------------------------------------------------------
+
+using FaultBits = std::uint64_t;  // Fault, RigFault shifted by 32, and those of the run
+
+constexpr FaultBits unreachable_bit = FaultBits{1} << 62, oscillates_bit = FaultBits{1} << 63;
+
+/// Returns the texts of the faults of a step, each with its bit.
+std::vector<std::pair<FaultBits, FaultText>> fault_texts() {
+  std::vector<std::pair<FaultBits, FaultText>> texts;
+  for (const CoreFaultText& core : core_fault_texts)
+    texts.emplace_back(static_cast<std::uint32_t>(core.fault), core.text);
+  for (const RigFaultText& rig : rig_fault_texts())
+    texts.emplace_back(FaultBits{static_cast<std::uint32_t>(rig.fault)} << 32,
+                       FaultText{rig.name, rig.meaning, rig.remedy});
+  texts.emplace_back(unreachable_bit, text_of(RunFault::unreachable));
+  texts.emplace_back(oscillates_bit, text_of(RunFault::force_oscillates));
+  return texts;
+}
+
+[[noreturn]] void raise_fault(double t, const std::vector<FaultText>& faults) {
+  py::list texts;
+  for (const FaultText& fault : faults) texts.append(py::make_tuple(fault.name, fault.meaning, fault.remedy));
+  const py::object type = py::module_::import("godobject.errors").attr("FaultError");
+  PyErr_SetObject(type.ptr(), type(t, texts).ptr());
+  throw py::error_already_set();
+}
+
+// --- scene and session ----------------------------------------------------------------------------
+
+/// States over time: of each quantity the numbers of one state after those of the other.
+struct Rows {
+  std::uint64_t every = 0;  // 0: none is kept
+  Numbers t{}, energy{}, joint_q{};
+  std::array<Numbers, body_quantities.size()> of{};
+};
+
+class PySession {
+ public:
+  /// path: of the scene file, or name of the text in errors. text: content; none: that of the file.
+  /// bus: "sim", "direct", or empty for that of `godobject run`.
+  PySession(const std::string& path, const std::optional<std::string>& text, const std::string& bus,
+            bool raises_faults)
+      : raises_faults_(raises_faults) {
+    const FaultChecks checks = simulated_faults();
+    LoadResult loaded = text ? parse_scene(*text, path, checks) : load_scene(path, checks);
+    refuse("SceneError", path, loaded.errors, std::move(loaded.placed_errors));
+    warnings_ = std::move(loaded.placed_warnings);
+    scene_ = *std::move(loaded.scene);
+    const bool has_rig = scene_.device && scene_.device->rig;
+    const bool has_device = has_rig || (scene_.device && !scene_.device->trackers.empty());
+    bus_ = bus == "direct" || (bus.empty() && !has_device) ? BusChoice::direct : BusChoice::sim;
+    std::vector<std::string> errors;
+    if (bus_ == BusChoice::sim && !has_device)
+      errors.emplace_back("the scene's device has no buses or trackers to simulate: use bus='direct'");
+    if (has_rig) profiles_ = checked_profiles(scene_, path, errors);
+    if (has_rig && bus_ == BusChoice::sim && errors.empty())
+      for (const BusLoad& load : bus_load(*scene_.device->rig, scene_.step, usual_load(*scene_.device->rig)))
+        if (is_overloaded(load)) errors.push_back(load_advice(load));
+    refuse("SceneError", path, errors);
+    for (std::string& warning : start(Motion(scene_), "SceneError", path))
+      warnings_.push_back({.file = path, .at = {}, .text = std::move(warning)});
+  }
+
+  /// Starts again at t = 0. motion: table as text; none: that of the file. file: its path, or the name of the
+  /// text; empty: the scene's own motion. Returns advice on the motion.
+  std::vector<std::string> reset(const std::optional<std::string>& motion, const std::string& file) {
+    require_idle();
+    if (file.empty()) {
+      session_
+          .reset();  // its memory, still in the cache, serves the next one; this motion was accepted before
+      static_cast<void>(start(Motion(scene_), "SceneError", scene_.name));
+      return {};
+    }
+    MotionResult read = motion ? Motion::parse(*motion, file, scene_) : Motion::read(file, scene_);
+    refuse("MotionError", file, read.errors, std::move(read.placed_errors));
+    append(read.notes, start(*std::move(read.motion), "MotionError", file));
+    return std::move(read.notes);
+  }
+
+  /// Takes n steps. Raises the faults that begin, after the step. every: keeps every n-th state; 0: none.
+  py::dict step(std::uint64_t n, std::uint64_t every) {
+    require_idle();
+    Rows rows{.every = every};
+    if (every > 0) keep(rows);
+    begun_.clear();
+    for (std::uint64_t left = n; left > 0 && begun_.empty();) {
+      const std::uint64_t some = std::min(left, steps_between_signals);
+      if (advance(some, rows) < some && begun_.empty())
+        throw std::runtime_error("the device did not come up: reset() starts the session again");
+      left -= some;
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+    if (!begun_.empty()) raise_fault(record_.t, begun_);
+    return to_python(std::move(rows));
+  }
+
+  /// Returns the number of steps of a run. duration: s; none: to the end of the motion.
+  std::uint64_t num_steps(std::optional<double> duration) const {
+    const double s = duration.value_or(end_.value_or(scene_.duration));
+    if (!(s > 0 && s <= 1e6)) throw py::value_error("duration must be above 0 and at most 1e6 s");
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(s / scene_.step)));
+  }
+
+  /// Returns the contacts that bear a force as arrays and names, as in the file of `run --contacts`.
+  py::dict contacts() const {
+    Numbers points(3 * num_touching_), normals(3 * num_touching_), forces(3 * num_touching_);
+    std::vector<std::string> body, on;
+    for (std::size_t i = 0; i < num_touching_; ++i) {
+      const ContactView& c = touching_[i];
+      write(c.p_W, &points[3 * i]);
+      write(c.n_W, &normals[3 * i]);
+      write(c.F_W, &forces[3 * i]);
+      body.push_back(c.is_node ? node_names_[c.a] : scene_.bodies[c.a].name);
+      on.push_back(c.is_on_net    ? node_names_[c.b]
+                   : c.b == world ? surface_names_[c.surface]
+                                  : scene_.bodies[c.b].name);
+    }
+    const Shape shape{length(num_touching_), 3};
+    py::dict all;
+    all["points"] = array_of(std::move(points), shape);
+    all["normals"] = array_of(std::move(normals), shape);
+    all["forces"] = array_of(std::move(forces), shape);
+    all["body"] = body;
+    all["on"] = on;
+    return all;
+  }
+
+  std::string state_hash() const {
+    require_idle();
+    std::array<char, 17> text{};
+    std::snprintf(text.data(), text.size(), "%016" PRIx64, session_->engine().state_hash());
+    return text.data();
+  }
+
+  const SceneConfig& scene() const { return scene_; }
+  /// State after the last call.
+  const CycleRecord& shown() const { return shown_; }
+  const Numbers& body_numbers(std::size_t quantity) const { return body_numbers_[quantity]; }
+  const Numbers& joint_numbers() const { return shown_.joint_q; }
+  const Numbers& net_nodes() const { return net_nodes_; }
+  /// First time of each fault since the start, s.
+  const std::map<std::string, double>& faults() const { return shown_faults_; }
+  /// Number of steps since the start in which each limit was active, as in the report of a run.
+  std::map<std::string, std::uint64_t> limits() const {
+    std::map<std::string, std::uint64_t> steps;
+    for (std::size_t i = 0; i < run_limits.size(); ++i)
+      if (shown_limits_[i] > 0) steps.emplace(run_limits[i].name, shown_limits_[i]);
+    return steps;
+  }
+  py::list warnings() const { return problems(warnings_); }
+
+ private:
+  void require_idle() const {
+    if (stepping_) throw std::runtime_error("the scene is stepping in another thread: wait for it");
+    if (!session_) throw std::runtime_error("the scene could not be started again: make another one");
+  }
+
+  /// Starts a session. Returns advice on its start. exception: for errors, about this file.
+  std::vector<std::string> start(Motion motion, const char* exception, const std::string& file) {
+    const std::optional<double> end = motion.end();
+    Session::Made made = make_session(scene_, std::move(motion), bus_, profiles_);
+    refuse(exception, file, made.errors);
+    StartCheck check = check_start(*made.session);
+    refuse(exception, file, check.errors);
+    session_ = std::move(made.session);
+    end_ = end;
+    first_.clear();
+    limit_steps_ = {};
+    limited_ = Limited::none;
+    active_limits_ = 0;
+    present_ = 0;
+    record_ = session_->at_start();
+    const Engine& engine = session_->engine();
+    touching_.resize(engine.composition().all_contacts());
+    nodes_.resize(engine.nets().nodes.size());
+    name_surfaces_and_nodes(engine.nets());
+    if (!session_->boot(usual_boot_limit_s)) raise_not_ready();
+    show();
+    return std::move(check.warnings);
+  }
+
+  void name_surfaces_and_nodes(const SceneNets& nets) {
+    surface_names_.clear();
+    node_names_.clear();
+    for (const ObstacleConfig& obstacle : scene_.obstacles)
+      surface_names_.insert(surface_names_.end(), num_solids(obstacle), obstacle.name);
+    for (const NetRange& net : nets.nets) node_names_.insert(node_names_.end(), net.num_nodes, net.name);
+  }
+
+  [[noreturn]] void raise_not_ready() const {
+    const std::string rig = session_->rig() ? session_->rig()->fault_text() : "";
+    FaultText text = text_of(session_->rig() ? RunFault::not_ready : RunFault::tracker_not_ready);
+    if (!rig.empty()) text.meaning = rig;
+    raise_fault(0, {text});
+  }
+
+  /// Takes steps without the interpreter's lock, up to one in which a fault is to be raised; shows the last.
+  /// Returns their number.
+  std::uint64_t advance(std::uint64_t n, Rows& rows) {
+    std::uint64_t taken = 0;
+    stepping_ = true;
+    {
+      const py::gil_scoped_release released;
+      for (; taken < n && begun_.empty() && session_->advance(record_); ++taken) {
+        note_limits();
+        note_faults();
+        if (rows.every > 0 && record_.cycle % rows.every == 0) keep(rows);
+      }
+    }
+    stepping_ = false;
+    show();
+    return taken;
+  }
+
+  /// Counts the active limits, which are those of the step before if a scene without drives has equal bits.
+  void note_limits() {
+    if (session_->rig() || record_.limited != limited_) active_limits_ = active_limits(record_);
+    limited_ = record_.limited;
+    for (std::uint32_t active = active_limits_; active != 0; active &= active - 1)
+      ++limit_steps_[static_cast<std::size_t>(std::countr_zero(active))];
+  }
+
+  void note_faults() {
+    FaultBits now = static_cast<std::uint32_t>(record_.fault);
+    now |= FaultBits{static_cast<std::uint32_t>(record_.rig_faults)} << 32;
+    if (session_->truth() && !session_->truth()->reachable()) now |= unreachable_bit;
+    if (record_.force_oscillates && !session_->rig()) now |= oscillates_bit;
+    const FaultBits begun = now & ~present_;
+    present_ = now;
+    if (begun == 0) return;
+    for (const auto& [bit, text] : fault_texts()) {
+      if ((begun & bit) == 0) continue;
+      first_.emplace(text.name, record_.t);
+      if (raises_faults_) begun_.push_back(text);
+    }
+  }
+
+  /// Writes the state into the memory of the views.
+  void show() {
+    shown_ = record_;
+    shown_faults_ = first_;
+    shown_limits_ = limit_steps_;
+    for (std::size_t k = 0; k < body_quantities.size(); ++k) {
+      body_numbers_[k].clear();
+      add_bodies(record_, k, body_numbers_[k]);
+    }
+    num_touching_ = session_->engine().contacts(touching_);
+    session_->engine().net_nodes(nodes_);
+    net_nodes_.resize(3 * nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) write(nodes_[i], &net_nodes_[3 * i]);
+  }
+
+  static void add_bodies(const CycleRecord& record, std::size_t quantity, Numbers& to) {
+    const BodyQuantity& of = body_quantities[quantity];
+    for (const BodyView& body : record.bodies) {
+      to.resize(to.size() + of.width);
+      of.write(body, to.data() + to.size() - of.width);
+    }
+  }
+
+  void keep(Rows& rows) const {
+    rows.t.push_back(record_.t);
+    rows.energy.push_back(record_.energy.total);
+    rows.joint_q.insert(rows.joint_q.end(), record_.joint_q.begin(), record_.joint_q.end());
+    for (std::size_t k = 0; k < rows.of.size(); ++k) add_bodies(record_, k, rows.of[k]);
+  }
+
+  py::dict to_python(Rows rows) const {
+    py::dict all;
+    if (rows.every == 0) return all;
+    const py::ssize_t n = length(rows.t.size());
+    all["t"] = array_of(std::move(rows.t), {n});
+    all["energy"] = array_of(std::move(rows.energy), {n});
+    all["joint_coordinates"] = array_of(std::move(rows.joint_q), {n, length(record_.joint_q.size())});
+    for (std::size_t k = 0; k < rows.of.size(); ++k)
+      all[body_quantities[k].name] = array_of(
+          std::move(rows.of[k]), {n, length(scene_.bodies.size()), length(body_quantities[k].width)});
+    return all;
+  }
+
+  bool raises_faults_;
+  SceneConfig scene_;
+  RigProfiles profiles_;
+  BusChoice bus_ = BusChoice::direct;
+  std::vector<PlacedText> warnings_;
+  std::optional<double> end_;  // of the motion, s
+  std::unique_ptr<Session> session_;
+  CycleRecord record_, shown_;
+  std::array<Numbers, body_quantities.size()> body_numbers_;
+  std::vector<ContactView> touching_;
+  std::size_t num_touching_ = 0;
+  std::vector<Vec3> nodes_;
+  Numbers net_nodes_;
+  std::vector<std::string> surface_names_, node_names_;
+  FaultBits present_ = 0;
+  std::vector<FaultText> begun_;  // faults to raise
+  std::map<std::string, double> first_, shown_faults_;
+  Limited limited_ = Limited::none;
+  std::uint32_t active_limits_ = 0;
+  std::array<std::uint64_t, run_limits.size()> limit_steps_{}, shown_limits_{};
+  bool stepping_ = false;  // true while the steps are taken; guarded by the interpreter's lock
+};
+
+// --- module ---------------------------------------------------------------------------------------
+
+template <class Of>
+std::vector<std::string> names(const std::vector<Of>& all) {
+  std::vector<std::string> list;
+  for (const Of& one : all) list.push_back(one.name);
+  return list;
+}
+
+void add_views(py::class_<PySession>& type) {
+  for (std::size_t k = 0; k < body_quantities.size(); ++k)
+    type.def_property_readonly(
+        body_quantities[k].name,
+        [k](const py::object& self) {
+          const auto& session = self.cast<const PySession&>();
+          const std::size_t bodies = session.scene().bodies.size();
+          return view(session.body_numbers(k), {length(bodies), length(body_quantities[k].width)}, self);
+        },
+        body_quantities[k].about);
+  type.def_property_readonly("joint_coordinates", [](const py::object& self) {
+    const Numbers& q = self.cast<const PySession&>().joint_numbers();
+    return view(q, {length(q.size())}, self);
+  });
+  type.def_property_readonly("net_nodes", [](const py::object& self) {
+    const Numbers& nodes = self.cast<const PySession&>().net_nodes();
+    return view(nodes, {length(nodes.size() / 3), 3}, self);
+  });
+}
+
+PYBIND11_MODULE(_core, module) {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Refused& refused) {
+      raise(refused);
+    }
+  });
+  py::class_<PySession> type(module, "Session");
+  type.def(py::init<const std::string&, const std::optional<std::string>&, const std::string&, bool>(),
+           py::arg("path"), py::arg("text"), py::arg("bus"), py::arg("raises_faults"))
+      .def("_reset", &PySession::reset, py::arg("motion"), py::arg("file"))
+      .def("_step", &PySession::step, py::arg("n"), py::arg("every"))
+      .def("_num_steps", &PySession::num_steps, py::arg("duration"))
+      .def("_contacts", &PySession::contacts)
+      .def_property_readonly("_warnings", &PySession::warnings)
+      .def_property_readonly("faults", &PySession::faults,
+                             "name of each fault since the start: time of the first, s")
+      .def_property_readonly("limits", &PySession::limits,
+                             "name of each limit that was active since the start: number of steps")
+      .def_property_readonly("state_hash", &PySession::state_hash)
+      .def_property_readonly("name", [](const PySession& s) { return s.scene().name; })
+      .def_property_readonly("step_s", [](const PySession& s) { return s.scene().step; })
+      .def_property_readonly("bodies", [](const PySession& s) { return names(s.scene().bodies); })
+      .def_property_readonly("joints", [](const PySession& s) { return names(s.scene().joints); })
+      .def_property_readonly("targets", [](const PySession& s) { return motion_targets(s.scene()); })
+      .def_property_readonly("steps", [](const PySession& s) { return s.shown().cycle; })
+      .def_property_readonly("t", [](const PySession& s) { return s.shown().t; })
+      .def_property_readonly("energy", [](const PySession& s) { return s.shown().energy.total; });
+  add_views(type);
+}
+
+}  // namespace
+}  // namespace godobject
