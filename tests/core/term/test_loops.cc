@@ -274,6 +274,27 @@ TEST(Loops, BricardKeepsItsEnergy) {
   run_for(ImplicitEuler{}, 1e-3, 20);
 }
 
+/// Spheres at the closing joint overlap; only without the joint they touch.
+TEST(Loops, BodiesOfALoopDoNotTouchEachOther) {
+  const auto contacts = [](bool closed) {
+    auto run = four_bar<TrBdf2>(1e-3, JointKind::hinge);
+    auto& loops = run->par.terms.template of<0>();
+    add_sphere(run->par, 1, loops.list[0].P.p, 0.01);
+    add_sphere(run->par, 2, loops.list[0].C.p, 0.01);
+    set_law(run->par, {.k = 1e4, .c = 1});
+    if (!closed) loops.size = 0;
+    EXPECT_EQ(validate(run->par), Invalid::nothing);
+    std::size_t most = 0;
+    for (int n = 0; n < 50; ++n) {
+      run->step();
+      most = std::max<std::size_t>(most, run->out.contacts.num_contacts);
+    }
+    return most;
+  };
+  EXPECT_EQ(contacts(true), 0u);
+  EXPECT_GT(contacts(false), 0u);
+}
+
 TEST(Loops, AreChecked) {
   const auto validated = [](auto change) {
     auto run = four_bar<TrBdf2>(1e-3, JointKind::hinge);
