@@ -21,7 +21,7 @@
 #include "hal/rig/bus_load.h"
 #include "platform/cli/fault_texts.h"
 #include "platform/rig/buses.h"
-#include "platform/session/limits.h"
+#include "platform/session/record.h"
 #include "platform/simulated/session.h"
 
 namespace py = pybind11;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "platform/device/phases.h"
+#include "platform/device/hand_device.h"
 #include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/setup.h"

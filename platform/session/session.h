@@ -12,7 +12,6 @@
 
 #include "hal/canopen/node_profile.h"
 #include "platform/device/hand_device.h"
-#include "platform/device/phases.h"
 #include "platform/device/rig.h"
 #include "platform/device/trackers.h"
 #include "platform/engine/engine.h"

@@ -4,12 +4,14 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "platform/device/hand_device.h"
 #include "platform/scene/toml.h"
 #include "platform/session/record.h"
 #include "platform/session/session.h"
+#include "sim/fault/target.h"
 #include "sim/hand.h"
 #include "sim/rig/link.h"
 #include "sim/rig/rig.h"
@@ -33,11 +35,22 @@ SimRigConfig sim_rig_config(const SceneConfig& scene);
 /// Returns the configuration of simulated trackers for the scene's device (which must have trackers).
 SimTrackersConfig sim_trackers_config(const SceneConfig& scene);
 
-/// Returns the checks for load_scene() and load_faults(), which add the place in the file to errors.
-FaultChecks simulated_faults();
-
 /// Returns the reason why the simulated device cannot play this fault; empty if it can.
-std::string why_not_playable(const FaultConfig& fault, const DeviceConfig& device);
+inline std::string why_not_playable(const FaultConfig& fault, const DeviceConfig& device) {
+  if (!fault.tracker.empty()) return resolve(fault, device.trackers).error;
+  return resolve(fault, *device.rig).error;
+}
+
+inline std::vector<std::string> fault_verb_names() {
+  std::vector<std::string> names;
+  for (const FaultVerbText& text : fault_verb_texts()) names.emplace_back(text.name);
+  return names;
+}
+
+/// Returns the checks for load_scene() and load_faults(), which add the place in the file to errors.
+inline FaultChecks simulated_faults() {
+  return {.verbs = fault_verb_names, .why_not_playable = why_not_playable};
+}
 
 /// Exact state of a simulated device: the true handle pose, and a reference engine that receives it.
 class SimulatedTruth final : public Truth {

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "platform/session/limits.h"
+#include "platform/session/record.h"
 
 namespace godobject {
 namespace {

@@ -1,4 +1,4 @@
-#include "platform/cli/run/devices.h"
+#include "platform/cli/run/options.h"
 #include "platform/linux/device_threads.h"
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // Frames and pointer messages agree with docs/view.md, and invalid pointer messages are refused.
-#include "platform/session/limits.h"
+#include "platform/session/record.h"
 #include "platform/view/frame.h"
 
 #include <gtest/gtest.h>

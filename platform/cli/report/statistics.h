@@ -8,7 +8,7 @@
 
 #include "platform/cli/fault_texts.h"
 #include "platform/rt/cyclic.h"
-#include "platform/session/limits.h"
+#include "platform/session/record.h"
 #include "platform/session/session.h"
 
 namespace godobject {

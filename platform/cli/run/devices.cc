@@ -1,4 +1,3 @@
-#include "platform/cli/run/devices.h"
 
 #include <unistd.h>
 

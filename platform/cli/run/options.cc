@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "platform/cli/run/devices.h"
 #include "platform/linux/bus/replay.h"
 #include "platform/linux/device_threads.h"
 #include "platform/rig/buses.h"

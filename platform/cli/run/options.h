@@ -2,8 +2,10 @@
 // places. Writes no files.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,16 +13,21 @@
 #include "hal/rig/bus_load.h"
 #include "hal/rig/params.h"
 #include "platform/cli/report/files.h"
-#include "platform/cli/run/devices.h"
 #include "platform/cli/run/loop.h"
 #include "platform/linux/device_threads.h"
 #include "platform/linux/socket_device.h"
+#include "platform/rig/buses.h"
 #include "platform/rig/log_link.h"
 #include "platform/session/passivity.h"
 #include "platform/session/session.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {
+
+struct BusPlan {
+  BusChoice choice = BusChoice::sim;
+  RigAddresses real;  // addresses, for BusChoice::real
+};
 
 struct RunOptions {
   std::string scene;                  // path
@@ -51,7 +58,7 @@ struct PreparedRun {
   std::unique_ptr<PointerDevice> pointer;               // with --view-input; else null
   std::unique_ptr<JointPointer> joint_pointer;          // instead of `pointer`, if pages move joints
   std::unique_ptr<SpaceMouse> spacemouse;               // with --spacemouse; else null
-  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see platform/cli/run/devices.h
+  std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see connect_spacemouse()
   std::unique_ptr<SocketDevice> socket_device;          // with --device; else null
   std::unique_ptr<Session> session;                     // null if there are errors
   RunPlan plan;
@@ -106,5 +113,41 @@ std::vector<std::string> check_lines(const RunOptions& options, const PreparedRu
 /// Returns a head and one line for each drive; empty for a rig without drives. cycle_s: step of the scene, s.
 std::vector<std::string> time_to_zero_lines(const RigParams& rig, double cycle_s,
                                             const RigProfiles& profiles);
+
+// ---- devices of a run: --bus and --tracker select buses, trackers and ports; --spacemouse its daemon --
+
+/// Plans the buses from the values of --bus: "sim", "direct", an address for a scene with one bus, or
+/// NAME=ADDRESS for each bus. Default: sim for a scene with buses or trackers; otherwise direct, with a note.
+BusPlan plan_buses(std::span<const std::string> given, const SceneConfig& scene,
+                   std::vector<std::string>& errors, std::vector<std::string>& notes);
+
+/// Applies the values of --tracker. Each is NAME=PORT, or a port alone for a single tracker, or "scene" for
+/// the scene's ports. Writes the ports into the scene, and plans a device without buses as `real`. Default:
+/// trackers are simulated. Trackers share the clock of the buses, so real trackers with simulated buses are
+/// an error.
+void plan_trackers(std::span<const std::string> given, bool buses_are_given, SceneConfig& scene,
+                   BusPlan& plan, std::vector<std::string>& errors);
+
+/// Reads the definition files of a tracker's tools, relative to `folder`, that of the scene. Errors name the
+/// tool and the file.
+ToolDefinitions read_tool_definitions(const TrackerParams& params, const std::filesystem::path& folder,
+                                      std::vector<std::string>& errors);
+
+/// Starts a thread for each tracker; none if there are errors.
+std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<TrackerParams>& trackers,
+                                                           const std::filesystem::path& folder,
+                                                           std::vector<std::string>& errors);
+
+/// Checks that the scene has a SpaceMouse and that no other option moves the tool. Adds errors and notes to
+/// the run.
+void check_spacemouse(const RunOptions& options, const SceneConfig& scene, PreparedRun& run);
+
+/// Checks that a program can be the device of the scene, and that no other option moves the tool.
+void check_socket_device(const RunOptions& options, const SceneConfig& scene,
+                         std::vector<std::string>& errors);
+
+/// Connects the SpaceMouse of the run, if any, to its daemon and starts a thread. Returns why this failed;
+/// empty on success.
+std::string connect_spacemouse(const RunOptions& options, PreparedRun& run);
 
 }  // namespace godobject

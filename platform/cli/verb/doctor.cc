@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/cli/program.h"
-#include "platform/cli/run/devices.h"
+#include "platform/cli/run/options.h"
 #include "platform/linux/serial_port.h"
 #include "platform/rt/background_file.h"
 #include "platform/rt/setup.h"

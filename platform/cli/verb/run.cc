@@ -10,7 +10,6 @@
 #include "platform/cli/command_line.h"
 #include "platform/cli/program.h"
 #include "platform/cli/report/report.h"
-#include "platform/cli/run/devices.h"
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
 #include "platform/cli/verb/view.h"

@@ -1,6 +1,6 @@
-// Andrews' squeezer: seven plane bodies in three closed loops, a spring and a constant torque, with the published
-// solution at 0.03 s (Schiehlen 1990; Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7; Test
-// Set for Initial Value Problem Solvers, University of Bari).
+// Andrews' squeezer: seven plane bodies in three closed loops, a spring and a constant torque. The solution at
+// 0.03 s is published by the Test Set for Initial Value Problem Solvers (University of Bari). The equations
+// are in Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7.
 #include <gtest/gtest.h>
 
 #include <array>
