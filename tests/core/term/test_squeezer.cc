@@ -1,6 +1,7 @@
-// Andrews' squeezer: seven plane bodies in three closed loops, a spring and a constant torque. The solution at
-// 0.03 s is published by the Test Set for Initial Value Problem Solvers (University of Bari). The equations
-// are in Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7.
+// Andrews' squeezer: seven plane bodies in three closed loops, a spring and a constant torque.
+//
+// The solution at 0.03 s is that of the Test Set for Initial Value Problem Solvers (University of Bari). The
+// equations are in Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7.
 #include <gtest/gtest.h>
 
 #include <array>
