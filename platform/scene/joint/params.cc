@@ -84,7 +84,11 @@ void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joint
 
 void place_children(std::span<BodyConfig> bodies, std::span<const JointConfig> joints) {
   place_again(
-      bodies, joints, [](const JointConfig& joint) { return joint.start[0] || joint.start[1]; },
+      bodies, joints,
+      [&](const JointConfig& joint) {
+        const bool is_placed = std::ranges::find(bodies, joint.child, &BodyConfig::name)->is_placed;
+        return !is_placed && (joint.start[0] || joint.start[1]);
+      },
       [](const JointConfig& joint, const JointCoordinates& q) {
         return JointCoordinates(joint.start[0].value_or(q[0]), joint.start[1].value_or(q[1]));
       });

@@ -175,8 +175,10 @@ void check_start(V& v, const std::vector<BodyConfig>& bodies, const JointConfig&
   const Pose& X = child->X_WB;
   if (!child->is_placed || !(j.start[0] || j.start[1])) return;
   std::vector<BodyConfig> moved = bodies;
+  BodyConfig& again = moved[static_cast<std::size_t>(child - bodies.begin())];
+  again.is_placed = false;
   place_children(moved, std::span(&j, 1));
-  const Pose& by_start = moved[static_cast<std::size_t>(child - bodies.begin())].X_WB;
+  const Pose& by_start = again.X_WB;
   const bool agrees =
       (by_start.p - X.p).norm() <= rounded_gap.m && angle_between(by_start.q, X.q) <= rounded_gap.rad;
   v.check(

@@ -46,8 +46,9 @@ class UrdfTree {
 
   std::vector<UrdfGroup> grouped() {
     for (const UrdfJoint& joint : robot_.joints) check_ends(joint);
+    const bool ends_are_there = log_.ok();
     for (const UrdfJoint& joint : robot_.joints)
-      if (joint.mimic && log_.ok()) check_mimic(joint);
+      if (joint.mimic && ends_are_there) check_mimic(joint);
     if (const UrdfLink* const root = checked_root()) add_tree(*root);
     if (log_.ok()) check_masses();
     return std::move(groups_);
