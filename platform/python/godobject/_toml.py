@@ -26,7 +26,7 @@ def _quoted(key: str) -> str:
     return key if _BARE.fullmatch(key) else json.dumps(key)
 
 
-def _is_table(value):
+def _is_table(value: Any) -> bool:
     """True for a dict, or a list of dicts."""
     kind = type(value)
     if kind is dict or kind is float or kind is str:
@@ -36,7 +36,7 @@ def _is_table(value):
     return isinstance(value, Mapping)
 
 
-def _write_table(table, header, path, lines, keys, name):
+def _write_table(table: Mapping[str, Any], header: str, path: str, lines: list[str], keys: list[str], name: str) -> None:
     """header: of the table in TOML. path: of the table in the dict."""
     tables = []
     prefix = path + "." if path else ""
@@ -58,7 +58,7 @@ def _write_table(table, header, path, lines, keys, name):
             _write_table(one, inner, at, lines, keys, name)
 
 
-def _value(value, path, name):
+def _value(value: Any, path: str, name: str) -> str:
     kind = type(value)
     if kind is float:  # the usual kinds first, because sweeps write many
         return repr(value)

@@ -61,7 +61,7 @@ class Device:
             finally:
                 self.show(Wrench())
 
-    def _serve(self, run, duration_s):
+    def _serve(self, run: socket.socket, duration_s: float) -> None:
         start = due = heard = time.monotonic()
         number, silent = 0, True
         while time.monotonic() - start < duration_s:
@@ -91,7 +91,7 @@ class Device:
                 select.select([run], [], [], left)
 
 
-def newest(run):
+def newest(run: socket.socket) -> tuple[Wrench | None, bool]:
     """Returns the newest wrench that has arrived or None, and whether the run has ended."""
     wrench = None
     while True:
@@ -109,7 +109,7 @@ def newest(run):
         wrench = Wrench((fx, fy, fz), (tx, ty, tz), t_s, bool(flags & LIVE))
 
 
-def connected(path, patience_s):
+def connected(path: str, patience_s: float) -> socket.socket:
     """Returns a connection to the run, which may still be starting."""
     end = time.monotonic() + patience_s
     while True:

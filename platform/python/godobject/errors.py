@@ -1,6 +1,7 @@
 """Exceptions of godobject."""
 import dataclasses
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,14 +26,14 @@ class Problem:
 class InputError(ValueError):
     """A scene, motion or file is refused. `problems`: all errors; the other attributes are those of the first."""
 
-    def __init__(self, problems: Iterable[Problem | Sequence]):
+    def __init__(self, problems: Iterable[Problem | Sequence[Any]]):
         self.problems = tuple(p if isinstance(p, Problem) else Problem(*p) for p in problems)
         first = self.problems[0]
         self.message, self.file, self.line, self.column, self.key = (
             first.message, first.file, first.line, first.column, first.key)
         super().__init__("\n".join(map(str, self.problems)))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.problems,)
 
 
@@ -60,7 +61,7 @@ class FaultError(RuntimeError):
         self.remedies = tuple(remedy for _, _, remedy in self.texts)
         super().__init__("\n".join(f"{name} at t = {t:g} s: {meaning}; {remedy}" for name, meaning, remedy in self.texts))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.t, self.texts)
 
 

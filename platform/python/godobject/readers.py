@@ -68,14 +68,14 @@ class Trace(Mapping[str, NDArray[np.float64]]):
         """Returns (rows, 6): force and torque of "BODY.coupling", ".feedback", ".contact", a joint or "hand"."""
         return self._columns(of, _WRENCH)
 
-    def _columns(self, of, suffixes):
+    def _columns(self, of: str, suffixes: tuple[str, ...]) -> NDArray[np.float64]:
         missing = [f"{of}.{suffix}" for suffix in suffixes if f"{of}.{suffix}" not in self._index]
         if missing:
             raise KeyError(f"the trace has no column {missing[0]!r}")
         return self.data[:, [self._index[f"{of}.{suffix}"] for suffix in suffixes]]
 
 
-def read_trace(path: str | os.PathLike) -> Trace:
+def read_trace(path: str | os.PathLike[str]) -> Trace:
     """Reads the file of `run --trace` or `run --nets`. The last line of a run that was killed is left out.
 
     Raises ReadError with the line.
@@ -99,7 +99,7 @@ def read_trace(path: str | os.PathLike) -> Trace:
 CONTACT = np.dtype([("t", "f8"), ("body", "U64"), ("on", "U64"), ("point", "f8", 3), ("normal", "f8", 3), ("force", "f8", 3)])
 
 
-def read_contacts(path: str | os.PathLike) -> NDArray[np.void]:
+def read_contacts(path: str | os.PathLike[str]) -> NDArray[np.void]:
     """Reads the file of `run --contacts`: one element a contact, with fields t, body, on, point, normal, force."""
     lines = _lines(path)
     if lines[0] != "t,body,on,x,y,z,nx,ny,nz,fx,fy,fz":
@@ -117,7 +117,7 @@ def read_contacts(path: str | os.PathLike) -> NDArray[np.void]:
 FRAME = np.dtype([("t_ns", "i8"), ("bus", "U16"), ("id", "u4"), ("extended", "?"), ("length", "u1"), ("data", "u1", 64)])
 
 
-def read_recording(path: str | os.PathLike) -> NDArray[np.void]:
+def read_recording(path: str | os.PathLike[str]) -> NDArray[np.void]:
     """Reads the log of `run --record` or `candump -l`: one element a frame, with the fields of FRAME.
 
     t_ns: since 1970 on a rig, ns; of simulated buses their own clock. data: the rest is 0. Remote frames are left out.
@@ -136,15 +136,16 @@ def read_recording(path: str | os.PathLike) -> NDArray[np.void]:
     return log
 
 
-def read_report(path: str | os.PathLike) -> Report:
+def read_report(path: str | os.PathLike[str]) -> Report:
     """Reads the file of `run --report`; lists of numbers, as the histograms, are arrays."""
     try:
-        return _with_arrays(json.loads(_text(path)))
+        report: Report = _with_arrays(json.loads(_text(path)))
+        return report
     except json.JSONDecodeError as error:
         _refuse(path, f"not JSON: {error.msg}", error.lineno, error.colno)
 
 
-def _with_arrays(value):
+def _with_arrays(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _with_arrays(one) for key, one in value.items()}
     if not isinstance(value, list) or not value:
@@ -157,7 +158,7 @@ def _with_arrays(value):
     return [_with_arrays(one) for one in value]
 
 
-def _text(path):
+def _text(path: str | os.PathLike[str]) -> str:
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
             return file.read()
@@ -165,7 +166,7 @@ def _text(path):
         _refuse(path, f"cannot be read: {error.strerror}", None)
 
 
-def _lines(path):
+def _lines(path: str | os.PathLike[str]) -> list[str]:
     """The lines without their ends, and without a last one that has none."""
     text = _text(path)
     lines = text.replace("\r\n", "\n").split("\n")[:-1]
@@ -174,7 +175,7 @@ def _lines(path):
     return lines
 
 
-def _refuse_row(path: str | os.PathLike, lines: list[str], columns: int) -> NoReturn:
+def _refuse_row(path: str | os.PathLike[str], lines: list[str], columns: int) -> NoReturn:
     """Refuses the first line that is not numbers, or not as many as there are columns."""
     for number, line in enumerate(lines[1:], 2):
         fields = line.split(",")
@@ -188,5 +189,5 @@ def _refuse_row(path: str | os.PathLike, lines: list[str], columns: int) -> NoRe
     _refuse(path, "the lines are not numbers between commas", 2)
 
 
-def _refuse(path: str | os.PathLike, message: str, line: int | None, column: int | None = None) -> NoReturn:
+def _refuse(path: str | os.PathLike[str], message: str, line: int | None, column: int | None = None) -> NoReturn:
     raise ReadError([Problem(message, os.fspath(path), line, column or (1 if line else None))])

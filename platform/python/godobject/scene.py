@@ -87,7 +87,7 @@ class Scene(Session):
     Raises SceneError, with all errors of the file and their places.
     """
 
-    def __init__(self, path: str | os.PathLike, *, bus: str | None = None, on_fault: str = "raise",
+    def __init__(self, path: str | os.PathLike[str], *, bus: str | None = None, on_fault: str = "raise",
                  _text: str | None = None):
         if bus not in (None, "sim", "direct"):
             raise ValueError(f"bus must be 'sim', 'direct' or None, not {bus!r}")
@@ -98,7 +98,7 @@ class Scene(Session):
             _warn(Problem(*warning) for warning in self._warnings)
 
     @classmethod
-    def from_dict(cls, scene: Mapping[str, Any], *, folder: str | os.PathLike = ".", bus: str | None = None,
+    def from_dict(cls, scene: Mapping[str, Any], *, folder: str | os.PathLike[str] = ".", bus: str | None = None,
                   on_fault: str = "raise") -> "Scene":
         """Returns the scene of nested dicts with the keys of docs/scenes.md, as tomllib reads them from a file.
 
@@ -121,7 +121,7 @@ class Scene(Session):
         _warn(_with_key(Problem(*warning), keys) for warning in made._warnings)
         return made
 
-    def reset(self, motion: str | os.PathLike | ArrayLike | None = None) -> None:
+    def reset(self, motion: str | os.PathLike[str] | ArrayLike | None = None) -> None:
         """Returns to t = 0. motion: as in run()."""
         if motion is None:
             self._reset(None, "")
@@ -136,7 +136,7 @@ class Scene(Session):
             raise ValueError(f"n must be 0 or more, not {n}")
         self._step(n, 0)
 
-    def run(self, motion: str | os.PathLike | ArrayLike | None = None, *, duration: float | None = None,
+    def run(self, motion: str | os.PathLike[str] | ArrayLike | None = None, *, duration: float | None = None,
             every: int = 1) -> Rows | None:
         """Runs from t = 0 to the end of the motion, or for a duration in s. Returns the start and every n-th state.
 
