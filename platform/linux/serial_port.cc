@@ -272,11 +272,13 @@ RtStep check_serial_port(const std::string& name, const std::string& path,
   const std::string timer = timer_ms ? path + ", latency timer " + std::to_string(*timer_ms) + " ms" : path;
   if (timer_ms.value_or(0) <= max_latency_timer_ms)
     return {.name = name, .result = RtResult::ok, .detail = timer, .remedy = ""};
+  std::string remedy = "echo '";
+  remedy += udev_rule;
+  remedy += "' >> /etc/udev/rules.d/99-latency.rules, and plug the adapter in again";
   return {.name = name,
           .result = RtResult::degraded,
           .detail = timer + ": received bytes are late, unless the run can set it",
-          .remedy = std::string("echo '") + udev_rule +
-                    "' >> /etc/udev/rules.d/99-latency.rules, and plug the adapter in again"};
+          .remedy = remedy};
 }
 
 SerialAddress parse_serial_address(const std::string& where, std::uint32_t default_baud) {
