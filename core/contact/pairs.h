@@ -16,7 +16,7 @@ template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
 struct FixedContacts {
   static constexpr std::size_t max_contacts = contacts_, max_pairs = 0, max_blocks = 0;
   static constexpr bool between_bodies = false;
-  static constexpr bool jointed = false;                      // OnJoints
+  static constexpr bool jointed = false;                                            // OnJoints
   static constexpr std::size_t max_nodes = 0, max_terms = 0, max_term_entries = 0;  // WithTerms
   using TermStages = Absent<19>;
   static constexpr bool has_net = false;  // WithNet
@@ -114,8 +114,10 @@ struct BodyContactScratch {
                                       : max_pairs + max_terms > 0
                                           ? std::max(N, std::min(blocks_per_body* N, N*(N - 1) / 2 + 1))
                                           : N;
-  static constexpr std::size_t max_entries = std::max<std::size_t>(
-      max_pairs + Contacts::max_term_entries + (Contacts::jointed ? N : 0) + Contacts::template max_net_pairs<N>, 1);
+  static constexpr std::size_t max_entries =
+      std::max<std::size_t>(max_pairs + Contacts::max_term_entries + (Contacts::jointed ? N : 0) +
+                                Contacts::template max_net_pairs<N>,
+                            1);
   using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room,
                              Contacts::jointed, Contacts::has_net>;
   using OfNet = NetStageType<Contacts, N, System>;

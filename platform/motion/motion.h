@@ -117,9 +117,9 @@ struct MotionSpeed {
 MotionSpeed fastest(const Motion& motion, double duration, double step);
 
 struct MotionResult {
-  std::optional<Motion> motion;              // absent if there are errors
-  std::vector<std::string> errors;           // "file:line:column: text"
-  std::vector<std::string> notes;            // columns that were not used
+  std::optional<Motion> motion;             // absent if there are errors
+  std::vector<std::string> errors;          // "file:line:column: text"
+  std::vector<std::string> notes;           // columns that were not used
   std::vector<PlacedText> placed_errors{};  // the errors with their places
 };
 

@@ -45,8 +45,8 @@ class CsvTable {
 };
 
 struct CsvResult {
-  std::optional<CsvTable> table;             // absent if there are errors
-  std::vector<std::string> errors;           // "file:line:column: text", the first 20
+  std::optional<CsvTable> table;            // absent if there are errors
+  std::vector<std::string> errors;          // "file:line:column: text", the first 20
   std::vector<PlacedText> placed_errors{};  // the errors with their places
 };
 
