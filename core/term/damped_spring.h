@@ -3,7 +3,7 @@
 
 #include "core/joint/tree.h"
 #include "core/math/spatial.h"
-#include "core/term/term.h"
+#include "core/term/pair.h"
 
 namespace godobject {
 
@@ -32,31 +32,13 @@ bool is_valid(const DampedSpringParams& par, const Scene& scene) noexcept {
          par.a.on != par.b.on && p - p == 0 && is_number(par.k) && is_number(par.g) && is_number(par.l_0);
 }
 
-/// Spring in a stage (37): the impulse J - K x' on b, with x' at the end of the stage. K = h (h K_s + G),
-/// stiffness and damping at the predicted end. The negative part of the stiffness, k (1 - l_0 / l) across a
-/// spring shorter than l_0, is left out.
-struct SpringStage {
-  std::uint32_t a = TermEnds::on_world, b = 0;
-  Column r_a, r_b;  // levers from the centres of mass, world axes
-  Column F_0;       // force on b at the start of the stage
-  Column J;
-  Block K;
-};
-
-/// Kind of term with a capacity for springs.
+/// Kind of term with a capacity for springs. In a stage (37) K = h (h K_s + G), stiffness and damping at the
+/// predicted end. The negative part of the stiffness, k (1 - l_0 / l) across a spring shorter than l_0, is left
+/// out.
 template <std::size_t max_>
-struct DampedSprings {
-  static constexpr std::size_t max = max_, max_ends = 2;
-  static constexpr bool on_coordinates = false, is_joint = false;
+struct DampedSprings : PairTerm {
+  static constexpr std::size_t max = max_;
   using Param = DampedSpringParams;
-  using Stage = SpringStage;
-
-  static TermEnds ends(const Stage& w) noexcept {
-    TermEnds ends;
-    if (is_between(w)) ends.add(w.a);
-    ends.add(w.b);
-    return ends;
-  }
 
   /// Linearises a spring.
   template <class OfStage>
@@ -80,54 +62,9 @@ struct DampedSprings {
       F_0 *= start > 0 ? 1 - par.l_0 / start : 0;  // without length there is no direction
     }
     const Mat3 K = h * (h * K_s + G);
-    w = {.a = par.a.on,
-         .b = par.b.on,
-         .r_a = Column(r_a),
-         .r_b = Column(r_b),
-         .F_0 = Column(F_0),
-         .J = Column(Vec3(h * (F + h * K_s * (v_b - v_a)))),
-         .K = {{Column(Vec3(K.col(0))), Column(Vec3(K.col(1))), Column(Vec3(K.col(2)))}}};
-  }
-
-  /// Calls f(u, r, force at r on u at the start of the stage).
-  template <class F>
-  static void each_force(const Stage& w, F f) noexcept {
-    f(w.b, w.r_b, w.F_0);
-    if (is_between(w)) f(w.a, w.r_a, -w.F_0);
-  }
-
-  /// Makes the velocities of the term relative to V.
-  template <class Twists>
-  static void shift(const Twists& V, Stage& w) noexcept {
-    w.J -= w.K * extension_rate(V, w);
-  }
-
-  template <class System>
-  static void load(const Stage& w, const TermEntries& entries, System& system) noexcept {
-    const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = w.K};
-    const auto add = [&](std::uint32_t u, const Column& r, const Column& J) noexcept {
-      SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
-      add_to_parent(at_end, r, A);
-      system.add(u, A);
-      system.add_impulse(u, moved_wrench({.w = Column(Pack(0)), .v = J}, r));
-    };
-    add(w.b, w.r_b, w.J);
-    if (!is_between(w)) return;
-    add(w.a, w.r_a, -w.J);
-    system.add_coupling(entries[0], shifted(coupling(at_end, w.r_a), w.r_b));
-  }
-
-  /// Calls f(u, impulse on u about its centre of mass) at the twists V.
-  template <class Twists, class F>
-  static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
-    const SpatialVector J = force(V, w);
-    f(w.b, moved_wrench(J, w.r_b));
-    if (is_between(w)) f(w.a, moved_wrench(J * Real(-1), w.r_a));
-  }
-  /// Returns the impulse on b at its point.
-  template <class Twists>
-  static SpatialVector force(const Twists& V, const Stage& w) noexcept {
-    return {.w = Column(Pack(0)), .v = w.J - w.K * extension_rate(V, w)};
+    w = {.a = par.a.on, .b = par.b.on, .r_a = Column(r_a), .r_b = Column(r_b), .F_0 = Column(F_0)};
+    w.K.vv = block_of(K);
+    w.J.v = Column(Vec3(h * (F + h * K_s * (v_b - v_a))));
   }
 
   /// Returns the energy, J. at.point(u, p): position of the point p of u, m.
@@ -138,7 +75,6 @@ struct DampedSprings {
   }
 
  private:
-  static bool is_between(const Stage& w) noexcept { return w.a != TermEnds::on_world; }
   template <class Places>
   static Vec3 point(const SpringEnd& end, const Places& at, Vec3& r, Vec3& v) noexcept {
     r = v = Vec3::Zero();
@@ -147,12 +83,6 @@ struct DampedSprings {
     r = place.R_WB * end.p;
     v = place.V.v + place.V.w.cross(place.p_W + r - place.a_W);
     return place.p_W + r;
-  }
-  /// Returns x' at the twists V.
-  template <class Twists>
-  static Column extension_rate(const Twists& V, const Stage& w) noexcept {
-    const Column v_b = shifted(V[w.b], w.r_b).v;
-    return is_between(w) ? v_b - shifted(V[w.a], w.r_a).v : v_b;
   }
 };
 

@@ -5,7 +5,7 @@
 #include "core/joint/list.h"
 #include "core/joint/stabilisation.h"
 #include "core/joint/tree.h"
-#include "core/term/term.h"
+#include "core/term/pair.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -23,35 +23,19 @@ bool is_valid(const LoopJointParams& par, const Scene& scene) noexcept {
          scene.exists(par.b) && par.a != par.b && scene.is_frame(par.P) && scene.is_frame(par.C);
 }
 
-/// Closing joint in a stage. The impulse on b at its anchor, for the twist V of b against a there, is
+/// Kind of term with a capacity for closing joints. The impulse on b at its anchor, for the twist V of b
+/// against a there, is
 ///
 ///   (62)  h F_0 + K (beta - V),  K = K_rigid L^T L
 ///
 /// with L the constrained directions, L beta the twist that undoes the violation (18), and F_0 the multiplier
 /// of the previous solve (method of multipliers, Hestenes 1969). The violation is then that of the change of
 /// F_0 alone, and K_rigid need not be so large that it costs digits. Redundant directions share the force.
-struct LoopJointStage {
-  std::uint32_t a = TermEnds::on_world, b = 0;
-  Column r_a, r_b;  // anchor from the centres of mass, world axes
-  SymmetricSpatialMatrix K;
-  SpatialVector J;
-  Column F_0;  // force in the previous solve
-};
-
-/// Kind of term with a capacity for closing joints.
 template <std::size_t max_>
-struct LoopJoints {
-  static constexpr std::size_t max = max_, max_ends = 2;
-  static constexpr bool on_coordinates = false, is_joint = true;
+struct LoopJoints : PairTerm {
+  static constexpr std::size_t max = max_;
+  static constexpr bool is_joint = true;
   using Param = LoopJointParams;
-  using Stage = LoopJointStage;
-
-  static TermEnds ends(const Stage& w) noexcept {
-    TermEnds ends;
-    if (is_between(w)) ends.add(w.a);
-    ends.add(w.b);
-    return ends;
-  }
 
   /// Linearises a joint. F: its wrench on b in the previous solve.
   template <class OfStage>
@@ -68,11 +52,7 @@ struct LoopJoints {
       M = std::min(M, stage.stages[par.a].M);
       I = std::min(I, mean_of(stage.stages[par.a].A_ww));
     }
-    w.a = par.a;
-    w.b = par.b;
-    w.r_a = Column(Vec3(a_W - A.p_W));
-    w.r_b = Column(r_b);
-    w.F_0 = Column(F.f);
+    w = {.a = par.a, .b = par.b, .r_a = Column(Vec3(a_W - A.p_W)), .r_b = Column(r_b), .F_0 = Column(F.f)};
     with_joint(par.kind, [&](auto kind) noexcept {
       const auto m = kind.motion(now.X);
       const Twist beta = across(m, AtPrediction::beta(m, now.V, par.C.p.squaredNorm(), stage.h));
@@ -86,54 +66,10 @@ struct LoopJoints {
              .v = Column(Vec3(moves * (K_v * beta.v + stage.h * F.f)))};
     });
   }
-  /// Calls f(u, r, force at r on u in the previous solve).
-  template <class F>
-  static void each_force(const Stage& w, F f) noexcept {
-    f(w.b, w.r_b, w.F_0);
-    if (is_between(w)) f(w.a, w.r_a, -w.F_0);
-  }
-  /// Makes the velocities of the term relative to V.
-  template <class Twists>
-  static void shift(const Twists& V, Stage& w) noexcept {
-    w.J -= w.K * twist_of(V, w);
-  }
-  template <class System>
-  static void load(const Stage& w, const TermEntries& entries, System& system) noexcept {
-    const auto add = [&](std::uint32_t u, const Column& r, const SpatialVector& J) noexcept {
-      SymmetricSpatialMatrix A{.ww = Block::zero(), .wv = Block::zero(), .vv = Block::zero()};
-      add_to_parent(w.K, r, A);
-      system.add(u, A);
-      system.add_impulse(u, moved_wrench(J, r));
-    };
-    add(w.b, w.r_b, w.J);
-    if (!is_between(w)) return;
-    add(w.a, w.r_a, w.J * Real(-1));
-    system.add_coupling(entries[0], shifted(coupling(w.K, w.r_a), w.r_b));
-  }
-  template <class Twists, class F>
-  static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
-    const SpatialVector J = force(V, w);
-    f(w.b, moved_wrench(J, w.r_b));
-    if (is_between(w)) f(w.a, moved_wrench(J * Real(-1), w.r_a));
-  }
-  /// Returns the impulse on b at the anchor.
-  template <class Twists>
-  static SpatialVector force(const Twists& V, const Stage& w) noexcept {
-    return w.J - w.K * twist_of(V, w);
-  }
   /// Returns zero: a joint stores no energy.
   template <class At>
   static Real energy(const Param&, const At&) noexcept {
     return 0;
-  }
-
- private:
-  static bool is_between(const Stage& w) noexcept { return w.a != TermEnds::on_world; }
-  /// Returns the twist of b against a at the anchor.
-  template <class Twists>
-  static SpatialVector twist_of(const Twists& V, const Stage& w) noexcept {
-    const SpatialVector V_b = shifted(V[w.b], w.r_b);
-    return is_between(w) ? V_b - shifted(V[w.a], w.r_a) : V_b;
   }
 };
 

@@ -14,8 +14,7 @@ TUNING = "core/tuning.h"
 # What nobody chose, by name: pi; order, d and b of TR-BDF2, 1 - 1/sqrt 2 and sqrt 2 / 4; how many numbers a processor's vector
 # holds; how many bodies a spring, a joint and a gear join. Zero, one and minus one are no choices either.
 GIVEN = {"core/math/so3.h": {"pi"}, "core/integrator_tr_bdf2.h": {"order", "d", "b"},
-         "core/math/simd4.h": {"size", "num_parts"}, "core/term/damped_spring.h": {"max_ends"},
-         "core/term/loop_joint.h": {"max_ends"}, "core/term/term.h": {"max"}}
+         "core/math/simd4.h": {"size", "num_parts"}, "core/term/pair.h": {"max_ends"}, "core/term/term.h": {"max"}}
 CONSTANT = re.compile(r"\bconstexpr\s+(?:Real|double|int|std::size_t)\s+([^;]*);")
 NAMED = re.compile(r"(\w+)\s*=\s*(?:Real\()?-?(?![01]\b(?!\.))[\d.]+(?:[eE][-+]?\d+)?\)?\s*(?:,|$)")
 # A number with a decimal point or an exponent in code, but for halves and quarters.
