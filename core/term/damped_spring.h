@@ -33,8 +33,8 @@ bool is_valid(const DampedSpringParams& par, const Scene& scene) noexcept {
 }
 
 /// Kind of term with a capacity for springs. In a stage (37) K = h (h K_s + G), stiffness and damping at the
-/// predicted end. The negative part of the stiffness, k (1 - l_0 / l) across a spring shorter than l_0, is left
-/// out.
+/// predicted end. The negative part of the stiffness, k (1 - l_0 / l) across a spring shorter than l_0, is
+/// left out.
 template <std::size_t max_>
 struct DampedSprings : PairTerm {
   static constexpr std::size_t max = max_;

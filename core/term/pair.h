@@ -5,7 +5,7 @@
 
 namespace godobject {
 
-/// Term between two points in a stage (37): the impulse J - K V on b at its point, for the twist V of b
+/// Term between two points in a stage (37): the impulse J - K V on b at its point. V is the twist of b
 /// against a there, at the end of the stage.
 struct PairStage {
   std::uint32_t a = TermEnds::on_world, b = 0;

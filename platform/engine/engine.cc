@@ -32,7 +32,8 @@ std::vector<CompositionRow> table() {
 
 /// Requirements of a scene on a composition. Couplings, feedback and devices are in every composition.
 struct Needs {
-  bool joints = false, nets = false, terms = false;
+  bool joints = false, nets = false;
+  std::size_t terms = 0;  // largest number of one kind
   ContactScope contacts = ContactScope::none;
   ContactCounts counts;  // of these contacts
 };
@@ -40,7 +41,7 @@ struct Needs {
 Needs needs_of(const SceneConfig& scene) {
   Needs needs{.joints = !scene.joints.empty(),
               .nets = !scene.nets.empty(),
-              .terms = term_counts(scene).most() > 0,
+              .terms = term_counts(scene).most(),
               .contacts = contact_scope(scene),
               .counts = {}};
   if (needs.contacts != ContactScope::none) needs.counts = contact_counts(scene);
@@ -55,14 +56,15 @@ bool covers(ContactScope has, ContactScope needed) {
 
 bool has_room_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
   return scene.bodies.size() <= c.max_bodies && needs.counts.spheres <= c.max_spheres &&
-         needs.counts.surfaces <= c.max_surfaces && (!c.terms || term_counts(scene).most() <= c.max_terms);
+         needs.counts.surfaces <= c.max_surfaces && needs.terms <= c.max_terms;
 }
 
 /// True if the composition has all parts of the scene, in any number. Compositions with nets or terms have
 /// contacts too, needed or not.
 bool has_parts_for(const Composition& c, const Needs& needs, const SceneConfig& scene) {
-  return c.integrator == scene.integrator && c.has_nets() == needs.nets && c.terms == needs.terms &&
-         (needs.nets || needs.terms || covers(c.contacts, needs.contacts)) && (c.joints || !needs.joints);
+  return c.integrator == scene.integrator && c.has_nets() == needs.nets &&
+         c.has_terms() == (needs.terms > 0) &&
+         (needs.nets || needs.terms > 0 || covers(c.contacts, needs.contacts)) && (c.joints || !needs.joints);
 }
 
 /// Lists the scene's numbers that exceed every candidate, with the largest capacity.
@@ -78,12 +80,7 @@ std::string too_many(const std::vector<Composition>& candidates, const Needs& ne
   add(scene.bodies.size(), "bodies", &Composition::max_bodies);
   add(needs.counts.spheres, "spheres", &Composition::max_spheres);
   add(needs.counts.surfaces, "surfaces of obstacles and shapes", &Composition::max_surfaces);
-  const std::size_t terms = term_counts(scene).most();
-  if (const std::size_t room = std::ranges::max_element(candidates, {}, &Composition::max_terms)->max_terms;
-      terms > room)
-    text += (text.empty() ? "" : ", ") + std::to_string(terms) +
-            " springs, forces, gears or closing joints; the largest holds " + std::to_string(room) +
-            " of each";
+  add(needs.terms, "springs, forces, gears or closing joints of a kind", &Composition::max_terms);
   return text.empty() ? "all its bodies, spheres and surfaces at once" : text;
 }
 
@@ -97,7 +94,7 @@ std::string why_none(const Needs& needs, const SceneConfig& scene) {
   };
   add(needs.joints, "joints");
   add(needs.nets, "nets");
-  add(needs.terms, "springs, forces, gears or loops");
+  add(needs.terms > 0, "springs, forces, gears or loops");
   add(needs.contacts == ContactScope::obstacles, "contacts with obstacles");
   add(needs.contacts == ContactScope::bodies, "contacts between bodies");
   const std::string what = "integrator '" + scene.integrator + "' and the parts of scene '" + scene.name +

@@ -89,9 +89,9 @@ struct Composition {
   std::vector<PartBytes> parts;  // those that have storage
 
   std::size_t all_contacts() const noexcept { return max_contacts + max_node_contacts; }
-  bool terms = false;  // true if it has springs, gears, closing joints and forces, max_terms of each
-  std::size_t max_terms = 0;
+  std::size_t max_terms = 0;  // springs; and as many gears, closing joints, forces
 
+  bool has_terms() const noexcept { return max_terms > 0; }
   bool has_nets() const noexcept { return max_nodes > 0; }
   std::size_t bytes() const noexcept { return params_bytes + state_bytes + scratch_bytes; }
 };

@@ -66,10 +66,7 @@ CompositionRow row(const std::string& name) {
     c.max_surfaces = Params<S>{}.contacts.surfaces.size();
     c.max_contacts = ContactsOf<S>::max_contacts;
   }
-  if constexpr (uses<TermsOf<S>>) {
-    c.terms = true;
-    c.max_terms = max_tool_terms;
-  }
+  if constexpr (uses<TermsOf<S>>) c.max_terms = max_tool_terms;
   if constexpr (uses<NetOf<S>>) {
     c.max_nodes = S::Net::max_nodes;
     c.max_springs = S::Net::max_springs;

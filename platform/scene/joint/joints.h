@@ -68,8 +68,7 @@ inline bool is_apart(const JointGap& gap) noexcept {
 /// change. bodies: parents first.
 void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joints);
 /// Places the children of joints with coordinates `start`, if they have no place of their own, and the bodies
-/// joined to them. bodies: parents
-/// first.
+/// joined to them. bodies: parents first.
 void place_children(std::span<BodyConfig> bodies, std::span<const JointConfig> joints);
 /// Returns the coordinates of the joint at the start, in the turn between its stops; zero for a kind without
 /// coordinates.
