@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/body/lanes.h"
-#include "core/contact/bodies.h"
 #include "core/device/device.h"
 #include "core/joint/tree.h"
-#include "core/net/solve.h"
 #include "core/scene.h"
+#include "core/solve/bodies.h"
+#include "core/solve/nets.h"
 
 namespace godobject {
 

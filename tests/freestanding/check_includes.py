@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Checks who includes whom: core <- hal <- sim <- platform, and no product includes tests. Of platform only the rooms that
-simulate see sim and each other; the rest builds without them. The folders of each layer include each other in one direction, but
-for the arrows of PERMITTED.
+simulate see sim and each other; the rest builds without them. The folders of each layer include each other in one direction.
 
 usage: check_includes.py SOURCE_DIR
 """
@@ -21,8 +20,6 @@ MAY_INCLUDE = {"core": {"core"}, "hal": {"core", "hal"}, "sim": {"core", "hal", 
 # Files directly in a layer's folder are its top room: core/step.h is of "core" and includes the rooms of its parts. These files of
 # core have no part of a scene in them, and every room includes them. They count with core/math, the lowest room.
 FLOOR = {"core/composition.h": "core/math", "core/fault.h": "core/math", "core/tuning.h": "core/math"}
-# Arrows against the direction, room -> room, each with its reason. One without which there is no circle is refused.
-PERMITTED = {("core/contact", "core/net"): "contacts of nodes have a pipeline of their own until they are contacts like any other"}
 SIMULATE = {("platform", "simulated"), ("platform", "cli", "simulate"), ("platform", "python")}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
@@ -59,13 +56,9 @@ def reached(room, arrows, seen=None):
     return seen
 
 
-def circles(arrows, permitted=()):
-    """Complaints about rooms that include each other, directly or by others, without the permitted arrows; and about each permitted
-    arrow that closes no circle."""
-    kept = {room: {other for other in others if (room, other) not in permitted} for room, others in arrows.items()}
-    return ([f"{a} and {b} include each other" for a in sorted(kept) for b in sorted(kept[a]) if a < b and a in reached(b, kept)]
-            + [f"{a} -> {b} closes no circle any more: remove it from PERMITTED" for a, b in sorted(permitted)
-               if b not in arrows.get(a, set()) or a not in reached(b, kept)])
+def circles(arrows):
+    """Complaints about rooms that include each other, directly or by others."""
+    return [f"{a} and {b} include each other" for a in sorted(arrows) for b in sorted(arrows[a]) if a < b and a in reached(b, arrows)]
 
 
 def complaints(source_dir):
@@ -86,7 +79,7 @@ def complaints(source_dir):
                     room, other = room_of(relative), room_of(match.group(1))
                     if room != other:
                         arrows.setdefault(room, set()).add(other)
-    found += circles(arrows, PERMITTED)
+    found += circles(arrows)
     return found, num_files
 
 
@@ -106,11 +99,7 @@ def check_rules():
                            ("platform/cli", "platform/motion/motion.h"), ("platform", "sys/mman.h")]:
         assert not complaint(path(folder), header), (folder, header)
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}}) and not circles({"a": {"b", "c"}, "b": {"c"}})
-    two_ways, loop = {"a": {"b"}, "b": {"a"}}, {"a": {"b"}, "b": {"c"}, "c": {"a"}}
-    assert not circles(two_ways, {("a", "b")}) and not circles(loop, {("c", "a")})
-    assert circles(loop | {"c": {"a", "b"}}, {("c", "a")}) == ["b and c include each other"]
-    for none_needed in ({"a": {"b"}}, {"b": {"a"}}, {"a": {"b"}, "b": {"c"}}, {}):
-        assert circles(none_needed, {("a", "b")}) == ["a -> b closes no circle any more: remove it from PERMITTED"], none_needed
+    assert circles({"a": {"b"}, "b": {"a"}}) == ["a and b include each other"]
     assert room_of("core/step.h") == "core" and room_of("core/tuning.h") == "core/math"
     assert room_of("platform/scene/net/params.h") == "platform/scene" and room_of("sim/hand.h") == "sim"
 

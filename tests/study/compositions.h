@@ -3,8 +3,8 @@
 // alone, and with each stabilisation.
 #pragma once
 
-#include "core/contact/bodies.h"
 #include "core/godobject.h"
+#include "core/solve/bodies.h"
 
 namespace godobject::study {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/contact/bodies.h"
+#include "core/solve/bodies.h"
 #include "tests/core/one_body.h"
 
 namespace godobject::test_four_at_a_time {

@@ -14,8 +14,8 @@ import tempfile
 
 # Of contacts between bodies alone. Edges of a tool's boxes also meet the boxes of the world.
 BODIES = {"core/contact/find/broad_phase.h"}
-CONTACTS = ("core/contact/", "core/system/", "core/shape/")
-NETS = ("core/net/",)
+CONTACTS = ("core/contact/", "core/solve/", "core/system/", "core/shape/")
+NETS = ("core/net/", "core/solve/net")
 
 
 def headers_with_code(compiler, source, eigen, scene, folder):
@@ -43,8 +43,8 @@ def main(compiler, source, eigen):
         untouched, over_obstacles, among_bodies, with_net = (
             headers_with_code(compiler, source, eigen, scene, folder)
             for scene in ("Untouched", "OverObstacles", "AmongBodies", "OfANet"))
-    if not ("core/step.h" in untouched and "core/contact/bodies.h" in over_obstacles and
-            BODIES <= among_bodies and "core/net/solve.h" in with_net):
+    if not ("core/step.h" in untouched and "core/solve/bodies.h" in over_obstacles and
+            BODIES <= among_bodies and "core/solve/nets.h" in with_net):
         sys.exit("the line tables do not show code that is there: this says nothing")
     for scene, strange in (("without contacts", within(CONTACTS + NETS, untouched)),
                           ("over obstacles alone", (BODIES & over_obstacles) | within(NETS, over_obstacles)),

@@ -1,7 +1,7 @@
 // Scenes with contacts in the core: their types, and their contact parameters.
 #pragma once
 
-#include "core/contact/bodies.h"
+#include "core/solve/bodies.h"
 #include "tests/study/case_run.h"
 #include "tests/study/compositions.h"
 #include "tests/study/contact/scene.h"

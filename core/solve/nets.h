@@ -1,8 +1,8 @@
 // Stage of nets: initialisation, and solution with the bodies that carry and touch them.
 #pragma once
 
-#include "core/contact/bodies.h"
-#include "core/net/contacts.h"
+#include "core/solve/bodies.h"
+#include "core/solve/net_contacts.h"
 
 namespace godobject {
 

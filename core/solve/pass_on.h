@@ -6,7 +6,7 @@
 // to the next end.
 #pragma once
 
-#include "core/contact/pairs.h"
+#include "core/solve/pairs.h"
 
 namespace godobject {
 

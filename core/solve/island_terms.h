@@ -1,7 +1,7 @@
 // Terms of a scene (core/term) in a stage: linearisation, and loading into the systems of the islands.
 #pragma once
 
-#include "core/contact/line_search.h"
+#include "core/solve/line_search.h"
 
 namespace godobject {
 

@@ -2,9 +2,9 @@
 // the system.
 #pragma once
 
-#include "core/contact/begin.h"
 #include "core/net/find.h"
 #include "core/net/modes.h"
+#include "core/solve/begin.h"
 
 namespace godobject {
 

@@ -7,8 +7,8 @@
 // slip), island by island (29). Their remaining error is reported as the residual.
 #pragma once
 
-#include "core/contact/begin.h"
-#include "core/contact/jointed_bodies.h"
+#include "core/solve/begin.h"
+#include "core/solve/jointed_bodies.h"
 #include "core/tuning.h"
 
 namespace godobject {

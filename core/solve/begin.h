@@ -1,9 +1,9 @@
 // Start of contacts in a stage, four at a time: laws, carried-over memory, and the linearisation (24).
 #pragma once
 
-#include "core/contact/pairs.h"
 #include "core/contact/places.h"
 #include "core/math/flatten.h"
+#include "core/solve/pairs.h"
 
 namespace godobject {
 

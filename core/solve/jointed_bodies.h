@@ -6,9 +6,9 @@
 #pragma once
 
 #include "core/composition.h"
-#include "core/contact/island_terms.h"
-#include "core/contact/line_search.h"
 #include "core/joint/tree.h"
+#include "core/solve/island_terms.h"
+#include "core/solve/line_search.h"
 #include "core/tuning.h"
 
 namespace godobject {

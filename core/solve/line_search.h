@@ -9,8 +9,8 @@
 // for any assumed modes.
 #pragma once
 
-#include "core/contact/pass_on.h"
-#include "core/contact/unbalanced.h"
+#include "core/solve/pass_on.h"
+#include "core/solve/unbalanced.h"
 #include "core/tuning.h"
 
 namespace godobject {

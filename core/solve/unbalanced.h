@@ -1,7 +1,7 @@
 // Residual of a solve of bodies in contact, as a force.
 #pragma once
 
-#include "core/contact/pairs.h"
+#include "core/solve/pairs.h"
 
 namespace godobject {
 

@@ -3,9 +3,9 @@
 
 #include "core/contact/find/find.h"
 #include "core/contact/forces.h"
-#include "core/contact/islands.h"
 #include "core/contact/stage.h"
 #include "core/net/coupled_system.h"
+#include "core/solve/islands.h"
 #include "core/system/conjugate_gradients.h"
 
 namespace godobject {
