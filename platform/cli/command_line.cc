@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
+#include <fstream>
 #include <string>
 
 #include "platform/scene/text/key.h"
@@ -240,6 +242,16 @@ _godobject() {
 }
 complete -o filenames -F _godobject godobject
 )";
+}
+
+bool write_file(const std::string& option, const std::string& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    std::fprintf(stderr, "%s: '%s' could not be written: check its folder and the disk\n", option.c_str(),
+                 path.c_str());
+  return !out.fail();
 }
 
 }  // namespace godobject

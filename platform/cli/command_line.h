@@ -32,6 +32,9 @@ std::vector<const CLI::Option*> options_of(const CLI::App& verb);
 /// Returns the verbs that help lists.
 std::vector<const CLI::App*> verbs_of(const CLI::App& app);
 
+/// Writes the file that an option names. Prints the error and returns false if this fails.
+bool write_file(const std::string& option, const std::string& path, const std::string& text);
+
 /// Breaks text between words into lines of at most `width`; each but the first begins with `indent` spaces.
 std::string wrapped(const std::string& text, std::size_t width, std::size_t indent);
 

@@ -35,6 +35,7 @@ void add_doctor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_accuracy(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_import(CLI::App& app, ExitCode& code);
 void add_faults(CLI::App& app, ExitCode& code);

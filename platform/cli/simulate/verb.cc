@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -232,13 +231,9 @@ ExitCode simulate(const SimulateOptions& options) {
   if (!prepared.simulation) return prepared.not_available ? ExitCode::not_available : ExitCode::usage;
   play(options, prepared);
   if (options.report.empty()) return ExitCode::ok;
-  std::ofstream file(options.report);
-  file << prepared.simulation->to_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
-       << '\n';
-  file.close();
-  if (!file.fail()) return ExitCode::ok;
-  std::fprintf(stderr, "--report: %s could not be written\n", options.report.c_str());
-  return ExitCode::fault;
+  const nlohmann::ordered_json json = prepared.simulation->to_json();
+  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return write_file("--report", options.report, text) ? ExitCode::ok : ExitCode::fault;
 }
 
 void add_options(CLI::App& verb, SimulateOptions& options) {

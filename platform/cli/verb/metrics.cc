@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -283,13 +282,8 @@ ExitCode show(const MetricsOptions& options) {
   }
   std::fputs(table_of(json).c_str(), stdout);
   if (options.json.empty()) return ExitCode::ok;
-  std::ofstream out(options.json, std::ios::binary);
-  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  out.close();
-  if (out) return ExitCode::ok;
-  std::fprintf(stderr, "--json: '%s' could not be written: check its folder and the disk\n",
-               options.json.c_str());
-  return ExitCode::fault;
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return write_file("--json", options.json, text) ? ExitCode::ok : ExitCode::fault;
 }
 
 }  // namespace

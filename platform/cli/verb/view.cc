@@ -152,12 +152,7 @@ ExitCode leave_picture(const ViewOptions& options, const Recording& recording) {
   else
     bytes = png_of({drawn(picture_of(recording, drawing, sample_at(recording, options.time)), options.size[0],
                           options.size[1])});
-  std::ofstream out(options.picture, std::ios::binary);
-  out << bytes;
-  out.close();
-  if (out) return ExitCode::ok;
-  complain({"--picture: '" + options.picture + "' could not be written"});
-  return ExitCode::fault;
+  return write_file("--picture", options.picture, bytes) ? ExitCode::ok : ExitCode::fault;
 }
 
 ExitCode serve(const ViewOptions& options, const Recording& recording) {

@@ -118,6 +118,25 @@ void visit_obstacle(V& v, ObstacleConfig& o) {
   visit_material(v, o.shape.material);
 }
 
+/// Returns the damping c / sqrt(m k) of the law (22) for a restitution. A ball of mass m rebounds from an
+/// obstacle with this share of its speed, without gravity. (Schwager, Poschel, Granular Matter 9, 2007.)
+/// restitution: in (0, 1].
+inline double damping_ratio_of(double restitution) {
+  // x'' + 2 z x' + x = 0 until the force ends; |x'| is then exp(-z t) of that at the start
+  const auto restitution_at = [](double z) {
+    const double root = std::sqrt(std::abs(1 - z * z));
+    if (root < 1e-6) return std::exp(-2.0);
+    if (z < 1) return std::exp(-z / root * std::atan2(2 * z * root, 2 * z * z - 1));
+    return std::exp(-z / root * std::log((z + root) / (z - root)));
+  };
+  double low = 0, high = 1e6;  // the restitution falls with z
+  for (int i = 0; i < 200; ++i) {
+    const double z = (low + high) / 2;
+    (restitution_at(z) > restitution ? low : high) = z;
+  }
+  return 2 * high;
+}
+
 /// Visits a law; without its stiffness it is new, and a tangential gain that is not given is the normal one.
 /// mass: mass at which a damping ratio of one is critical, kg.
 template <class V>
@@ -133,6 +152,17 @@ void visit_law(V& v, double mass, ContactLaw& law) {
                "c / sqrt(m k), default 1.4, m of the lightest body of the two materials",
                {0, 1e6}},
            unit, default_contact_damping_ratio * unit, law.c);
+  double restitution = 1;
+  v.shorthand(Key{"restitution",
+                  "",
+                  "in place of `damping`: share of its speed with which a ball of mass m rebounds",
+                  {.min = 0, .max = 1, .min_open = true}},
+              restitution);
+  if (v.has("restitution")) {
+    v.check(!v.has("damping") && !v.has("damping_ratio"), "restitution",
+            "sets the damping, as 'damping' and 'damping_ratio' do: remove all but one");
+    law.c = unit * damping_ratio_of(restitution);
+  }
   v.value(Key{"friction", "", "coefficient of friction mu", {0, 100}}, law.mu);
   if (is_new) law.k_t = law.k;
   v.value(Key{.name = "tangential_stiffness",

@@ -189,6 +189,18 @@ TEST(ContactScene, SpheresOfOneToolDoNotMeet) {
   EXPECT_EQ(scope(scene_and_brick), ContactScope::none);
 }
 
+TEST(ContactScene, RestitutionSetsTheDamping) {
+  const auto damping_at = [](const std::string& key) {
+    return scene_contacts(loaded(scene_and_brick + board + contact("wood", "plastic", key))).laws[0][1].c;
+  };
+  const double unit = std::sqrt(0.0025 * 1000);
+  EXPECT_NEAR(damping_at("restitution = 1\n"), 0, 1e-12 * unit);
+  // critical damping, c = 2 sqrt(k m), leaves exp(-2)
+  EXPECT_NEAR(damping_at("restitution = 0.1353352832366127\n"), 2 * unit, 1e-5 * unit);
+  EXPECT_GT(damping_at("restitution = 0.1\n"), damping_at("restitution = 0.2\n"));
+  EXPECT_TRUE(std::isfinite(damping_at("restitution = 1e-9\n")));
+}
+
 TEST(ContactScene, WrongContactsAreRefused) {
   const auto errors = [](const std::string& more) { return parse(scene_and_brick + board + more).errors; };
   EXPECT_THAT(errors(contact("wood", "plastic") + contact("plastic", "wood")),
@@ -198,6 +210,11 @@ TEST(ContactScene, WrongContactsAreRefused) {
       ElementsAre(HasSubstr("must not both be zero if friction is above 0")));
   EXPECT_THAT(errors(replaced(contact("wood", "plastic"), "1000", "0")),
               ElementsAre(AllOf(HasSubstr("'stiffness' is 0,"), HasSubstr("> 0 (N/m)"))));
+  for (const char* damping : {"damping = 1\n", "damping_ratio = 1\n"})
+    EXPECT_THAT(errors(contact("wood", "plastic", std::string("restitution = 0.5\n") + damping)),
+                ElementsAre(HasSubstr("'restitution' sets the damping")));
+  for (const char* restitution : {"restitution = 0\n", "restitution = 1.5\n", "restitution = -1\n"})
+    EXPECT_THAT(errors(contact("wood", "plastic", restitution)), ElementsAre(HasSubstr("'restitution' is")));
   EXPECT_THAT(parse(brick_on_board + contact("wood", "plstic")).warnings,
               ElementsAre(HasSubstr("has 'plstic', which no sphere, shape, obstacle or net has")));
 }

@@ -75,6 +75,28 @@ TEST(ContactScenes, BounceLeavesThePlaneAndStaysBelowWhereItBegan) {
   EXPECT_LT(highest_after, 0.05);
 }
 
+/// Thrown at a plane without gravity: the ball leaves at the given share of its speed, with both integrators.
+TEST(ContactScenes, ABallReboundsWithTheRestitutionOfItsKey) {
+  for (const char* integrator : {"tr-bdf2", "implicit-euler"})
+    for (const double restitution : {0.95, 0.7, 0.4, 0.2, 0.05}) {
+      const LoadResult loaded = parse_scene(
+          "[scene]\nname = \"rebound\"\nstep = 2e-5\nintegrator = \"" + std::string(integrator) +
+              "\"\n[[body]]\nname = \"ball\"\nmass = 0.1\ninertia = [4e-6, 4e-6, 4e-6]\n"
+              "position = [0, 0, 0.011]\nvelocity = [0, 0, -0.5]\n[[body.sphere]]\nradius = 0.01\n"
+              "[[obstacle]]\nname = \"ground\"\nkind = \"plane\"\n[[contact]]\n"
+              "materials = [\"default\", \"default\"]\nstiffness = 5000\nrestitution = " +
+              std::to_string(restitution) + "\n",
+          "rebound.toml");
+      ASSERT_THAT(loaded.errors, testing::IsEmpty());
+      Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+      ASSERT_TRUE(made.session) << made.errors.front();
+      CycleRecord record = made.session->at_start();
+      for (int n = 0; n < 5000; ++n) made.session->cycle(record);
+      EXPECT_NEAR(record.bodies[0].V_WB.v.z() / 0.5, restitution, 0.004) << integrator;
+      EXPECT_EQ(record.contacts.deepest, 0) << "it has left";
+    }
+}
+
 TEST(ContactScenes, PressIsItsReferenceCase) {
   const std::filesystem::path folder = test::shared_file("reference/press");
   if (folder.empty()) GTEST_SKIP() << "shared/reference is not here";
