@@ -42,7 +42,7 @@ class Hash {
   }
   void add(const DeviceState& x) noexcept {
     add(x.last, x.ramp, x.held);
-    if (!x.F_WB.f.isZero(0) || !x.F_WB.tau.isZero(0)) add(x.F_WB);
+    if (x.F_WB.f != Vec3::Zero() || x.F_WB.tau != Vec3::Zero()) add(x.F_WB);
     if (x.recovery == 0) return;  // no gap
     add(x.recovery, std::uint64_t{x.long_gap});
   }

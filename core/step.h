@@ -5,6 +5,7 @@
 #include "core/energy_rise.h"
 #include "core/math/flatten.h"
 #include "core/net_momentum.h"
+#include "core/nonblocking.h"
 #include "core/stage.h"
 
 namespace godobject {
@@ -126,7 +127,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
 template <Scene S>
 // NOLINTNEXTLINE(readability-function-size): one flat list
 GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& x, Scratch<S>& w,
-                            Output<S>& out) noexcept {
+                            Output<S>& out) noexcept GODOBJECT_NONBLOCKING {
   out.fault = Fault::none;
   out.limited = Limited::none;
 

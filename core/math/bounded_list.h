@@ -39,11 +39,11 @@ struct BoundedList {
   /// value: otherwise items of a list with room would also pass through memory.
   // NOLINTNEXTLINE(performance-unnecessary-value-param)
   [[gnu::noinline]] void put_in_place_of_shallowest(Item item) noexcept {
-    if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), is_deeper);
+    if (num_found == max_items + 1) std::make_heap(list.begin(), list.end(), by_depth);
     if (!is_deeper(item, list.front())) return;
-    std::pop_heap(list.begin(), list.end(), is_deeper);
+    std::pop_heap(list.begin(), list.end(), by_depth);
     list.back() = item;
-    std::push_heap(list.begin(), list.end(), is_deeper);
+    std::push_heap(list.begin(), list.end(), by_depth);
   }
   void put_in_order() noexcept {
     if (has_overflowed()) put_full_in_order();
@@ -51,6 +51,9 @@ struct BoundedList {
   }
 
  private:
+  // A function object, because the library would call is_deeper through a pointer (core/nonblocking.h).
+  static constexpr auto by_depth = [](const Item& a, const Item& b) noexcept { return is_deeper(a, b); };
+
   bool has_overflowed() const noexcept { return num_found > size; }
   /// Sorts a full list. An item that could not be removed may have been added twice; the deeper of both is
   /// kept.

@@ -16,17 +16,18 @@ struct RotationErrorOf {
 };
 using RotationError = RotationErrorOf<Real>;
 
+inline constexpr std::array<Real, 6> error_curvature_terms{8.33333227436018897e-02, 1.11123359357362377e-02,
+                                                           3.94568561542213425e-03, 1.77127598946016864e-03,
+                                                           2.76911391896794928e-04, 8.25641477324351599e-04};
+
 /// Returns c = (1 - (alpha/2) cot(alpha/2)) / alpha^2 from w = cos(alpha/2), relative error 2e-7. Beyond 2.33
 /// rad, where c alpha^2 exceeds 1/2, a line below 1/(2 alpha^2). The stiffness that a stage assumes is then
 /// at least k_r / 2, so that the stage cannot gain energy (docs/theory/stage.md).
 template <class T = Real>
 T error_curvature(const std::type_identity_t<T>& w) noexcept {
-  static constexpr std::array<Real, 6> c{8.33333227436018897e-02, 1.11123359357362377e-02,
-                                         3.94568561542213425e-03, 1.77127598946016864e-03,
-                                         2.76911391896794928e-04, 8.25641477324351599e-04};
   using std::min;
   const T z = 1 - w;
-  return min(polynomial<T>(c, z), T(Real(0.1959) - Real(0.1716) * z));
+  return min(polynomial<T>(error_curvature_terms, z), T(Real(0.1959) - Real(0.1716) * z));
 }
 
 /// Returns alpha u = log(q_WB^-1 q_WD) on the shorter way round; within the band, on the side of `previous`

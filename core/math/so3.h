@@ -39,42 +39,43 @@ Quaternion<T> renormalized(const Quaternion<T>& q) noexcept {
   return renormalizing<T>(q, q);
 }
 
+// Coefficients of the polynomials below. At namespace scope, because clang counts a static local variable as
+// one that may block (core/nonblocking.h).
+// clang-format off
+inline constexpr std::array<Real, 9> sinc_terms{
+    1.0, -1.66666666666666657e-01, 8.33333333333318577e-03,
+    -1.98412698412086760e-04, 2.75573192112296060e-06, -2.50521068905695199e-08,
+    1.60589408784865599e-10, -7.64302655797163249e-13, 2.72157494229834434e-15};
+inline constexpr std::array<Real, 10> cosine_terms{
+    1.0, -0.5, 4.16666666666666574e-02,
+    -1.38888888888885295e-03, 2.48015873014926406e-05, -2.75573192096544720e-07,
+    2.08767556665789035e-09, -1.14706701653232714e-11, 4.77687224914480734e-14,
+    -1.51198278342179951e-16};
+inline constexpr std::array<Real, 22> log_factor_terms{
+    2.0, 6.66666666666718144e-01, 2.66666666658868790e-01,
+    1.14285714754220669e-01, 5.07936359054453890e-02, 2.30883124299150790e-02,
+    1.06522602484840009e-02, 5.00711858010079430e-03, 2.10971634114808263e-03,
+    2.27602238395325108e-03, -4.02379526149470538e-03, 1.40906026655062463e-02,
+    -3.29667869218435092e-02, 6.25276835789015800e-02, -9.30524852639761368e-02,
+    1.08882673966894675e-01, -9.88075670278243529e-02, 6.82303529571215012e-02,
+    -3.46663497996787875e-02, 1.22456057377414856e-02, -2.69314503802673940e-03,
+    2.79750027617877599e-04};
+// clang-format on
+
 /// Returns exp: the rotation by |a| <= pi about a. Relative error below 1e-15.
 template <class T = Real>
 Quaternion<T> exp_so3(const Vector3<T>& a) noexcept {
   // x = (|a|/2)^2 in [0, pi^2/4]:  q = (cos sqrt(x), a/2 sin sqrt(x) / sqrt(x))
-  // clang-format off
-  static constexpr std::array<Real, 9> sinc{
-      1.0, -1.66666666666666657e-01, 8.33333333333318577e-03,
-      -1.98412698412086760e-04, 2.75573192112296060e-06, -2.50521068905695199e-08,
-      1.60589408784865599e-10, -7.64302655797163249e-13, 2.72157494229834434e-15};
-  static constexpr std::array<Real, 10> cosine{
-      1.0, -0.5, 4.16666666666666574e-02,
-      -1.38888888888885295e-03, 2.48015873014926406e-05, -2.75573192096544720e-07,
-      2.08767556665789035e-09, -1.14706701653232714e-11, 4.77687224914480734e-14,
-      -1.51198278342179951e-16};
-  // clang-format on
   const T x = Real(0.25) * a.squaredNorm();
-  const T s = Real(0.5) * polynomial<T>(sinc, x);
-  return {polynomial<T>(cosine, x), s * a.x(), s * a.y(), s * a.z()};
+  const T s = Real(0.5) * polynomial<T>(sinc_terms, x);
+  return {polynomial<T>(cosine_terms, x), s * a.x(), s * a.y(), s * a.z()};
 }
 
 /// Returns f(w) = alpha / sin(alpha/2) of a rotation by alpha with w = cos(alpha/2) in [-0.06, 1]:
 /// log q = f(w) vec(q). Relative error below 1e-15. Two at zero angle.
 template <class T = Real>
 T log_factor(const std::type_identity_t<T>& w) noexcept {
-  // clang-format off
-  static constexpr std::array<Real, 22> c{
-      2.0, 6.66666666666718144e-01, 2.66666666658868790e-01,
-      1.14285714754220669e-01, 5.07936359054453890e-02, 2.30883124299150790e-02,
-      1.06522602484840009e-02, 5.00711858010079430e-03, 2.10971634114808263e-03,
-      2.27602238395325108e-03, -4.02379526149470538e-03, 1.40906026655062463e-02,
-      -3.29667869218435092e-02, 6.25276835789015800e-02, -9.30524852639761368e-02,
-      1.08882673966894675e-01, -9.88075670278243529e-02, 6.82303529571215012e-02,
-      -3.46663497996787875e-02, 1.22456057377414856e-02, -2.69314503802673940e-03,
-      2.79750027617877599e-04};
-  // clang-format on
-  return polynomial<T>(c, 1 - w);
+  return polynomial<T>(log_factor_terms, 1 - w);
 }
 
 /// Returns R(q)^T a: a world vector in the axes of the body with attitude q.

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "core/math/componentwise.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -19,10 +20,19 @@ struct TrianglePoint {
   std::size_t k = 0;  // edge from corner k to corner k + 1, or corner k
 };
 
+/// Bounding box of a triangle.
+struct TriangleBox {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+};
+inline TriangleBox box_of(const Corners& t) noexcept {
+  return {.low = componentwise_min(componentwise_min(t[0], t[1]), t[2]),
+          .high = componentwise_max(componentwise_max(t[0], t[1]), t[2])};
+}
+
 /// Returns the squared distance from p to the triangle's bounding box, a lower bound of that to the triangle.
 inline Real box_distance_sq(const Corners& t, const Vec3& p) noexcept {
-  const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-  return (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm();
+  const auto [low, high] = box_of(t);
+  return (p - nearest_in_box(p, low, high)).squaredNorm();
 }
 
 /// Returns the point nearest to p on the edge from corner k to the next one.
@@ -62,7 +72,7 @@ inline TrianglePoint nearest_on_triangle(const Corners& t, const Vec3& n, const 
 
 /// True if p is so near to the triangle that the direction from its nearest point is rounding error.
 inline bool is_touching(const Corners& t, const Vec3& p, Real distance) noexcept {
-  const Real size = p.cwiseAbs().maxCoeff() + (t[1] - t[0]).cwiseAbs().maxCoeff();
+  const Real size = max_component(p.cwiseAbs()) + max_component((t[1] - t[0]).cwiseAbs());
   return !(distance > touching_triangle * size);
 }
 

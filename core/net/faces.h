@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "core/math/componentwise.h"
 #include "core/math/triangle.h"
 #include "core/net/net.h"
 
@@ -32,7 +33,7 @@ inline Vec3 projected_weights(const Corners& t, const Vec3& p) noexcept {
 /// Returns the point of a triangle nearest to p. The triangle may be without area.
 inline FacePoint nearest_on_face(const Corners& t, const Vec3& p) noexcept {
   const Vec3 inside = projected_weights(t, p);
-  if (inside.minCoeff() >= 0) return {inside};
+  if (min_component(inside) >= 0) return {inside};
   FacePoint best;
   Real least = std::numeric_limits<Real>::infinity();
   for (int k = 0; k < 3; ++k) {
@@ -74,7 +75,7 @@ inline bool crosses_face(const Corners& t_0, const Vec3& p_0, const Corners& t, 
   const Real s = before / (before - after);
   Corners at;
   for (std::size_t k = 0; k < 3; ++k) at[k] = t_0[k] + s * (t[k] - t_0[k]);
-  return projected_weights(at, p_0 + s * (p - p_0)).minCoeff() >= -face_rim;
+  return min_component(projected_weights(at, p_0 + s * (p - p_0))) >= -face_rim;
 }
 
 /// Returns the row of a node; the number of rows if no spring holds it. Rows are in the order of their nodes.
@@ -125,8 +126,8 @@ void split_in_space(Params& par, std::uint32_t first, std::uint32_t end) noexcep
   };
   Vec3 low = centre(par.faces.list[first]), high = low;
   for (std::uint32_t f = first; f < end; ++f) {
-    low = low.cwiseMin(centre(par.faces.list[f]));
-    high = high.cwiseMax(centre(par.faces.list[f]));
+    low = componentwise_min(low, centre(par.faces.list[f]));
+    high = componentwise_max(high, centre(par.faces.list[f]));
   }
   Eigen::Index axis = 0;
   (high - low).maxCoeff(&axis);

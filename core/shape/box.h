@@ -1,6 +1,7 @@
 // Solid box about the origin of its frame, edges along its axes.
 #pragma once
 
+#include "core/math/componentwise.h"
 #include "core/math/simd4.h"
 #include "core/shape/shape.h"
 
@@ -25,7 +26,7 @@ struct BoxShape {
     face[k] = p[k] < 0 ? -1 : 1;
     if (!(depth > 0)) return {.distance = depth, .n = face};
 
-    const Vec3 a = p - p.cwiseMax(-b).cwiseMin(b);
+    const Vec3 a = p - nearest_in_box(p, -b, b);
     const Real length = a.norm();
     return {.distance = length, .n = direction(a, length, face)};
   }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 
+#include "core/math/componentwise.h"
 #include "core/shape/list.h"
 
 namespace godobject {
@@ -24,10 +25,6 @@ struct TouchedFace {
   Real distance;    // of the sphere's centre, m
   Vec3 n, q;        // normal, and contact point on the surface
   Corners corners;  // of the nearest face, which is no triangle, its contact point
-
-  static bool is_nearer(const TouchedFace& a, const TouchedFace& b) noexcept {
-    return a.distance < b.distance;
-  }
 };
 
 /// Touched faces, the nearest first.
@@ -43,7 +40,10 @@ struct TouchedFaces {
   static Real insert(const TouchedFace& face, std::array<TouchedFace, n>& list, std::size_t& size) noexcept {
     constexpr Real none = std::numeric_limits<Real>::infinity();
     const auto end = list.begin() + static_cast<std::ptrdiff_t>(size);
-    const auto place = std::lower_bound(list.begin(), end, face, TouchedFace::is_nearer);
+    const auto is_nearer = [](const TouchedFace& a, const TouchedFace& b) noexcept {
+      return a.distance < b.distance;
+    };
+    const auto place = std::lower_bound(list.begin(), end, face, is_nearer);
     for (auto same = place; same != end && same->distance == face.distance; ++same)
       if (same->q == face.q && same->n == face.n) return none;
     if (size == n && place == end) return face.distance;
@@ -67,7 +67,7 @@ bool is_touched_itself(const Corners& t, const Vec3& n, const TrianglePoint& nea
     const Vec3 n_beyond = neighbour_normal(k);
     if (-n_beyond.dot(outward) > least_face_turn) return false;
     const Vec3 into = along.cross(n_beyond);
-    return into.dot(up) > touching_triangle * (p.cwiseAbs().maxCoeff() + up.norm());
+    return into.dot(up) > touching_triangle * (max_component(p.cwiseAbs()) + up.norm());
   };
   switch (nearest.feature) {
     case TriangleFeature::face: return true;
@@ -112,7 +112,7 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
   const Vec3 q = p - first_seen.distance * first_seen.n;
   const TouchedFace first{.distance = first_seen.distance, .n = first_seen.n, .q = q, .corners = {q, q, q}};
   bool is_edge = false;
-  const Real rounding = touching_triangle * p.cwiseAbs().maxCoeff();
+  const Real rounding = touching_triangle * max_component(p.cwiseAbs());
   Shape::each_triangle(par, p, reach, [&](const Corners& t, const Vec3& n, auto neighbour_normal) noexcept {
     const Real height = n.dot(p - t[0]);
     if (!(height < reach) || (height > 0 && !rises_above(t, first))) return;

@@ -83,7 +83,7 @@ struct MeshShape {
     const MeshGrid& grid = mesh.grid;
     for_each_cell(grid, p - Vec3::Constant(reach), p + Vec3::Constant(reach), [&](auto i, auto j, auto k) {
       const Vec3 low = grid.lower_corner(i, j, k), high = grid.lower_corner(i + 1, j + 1, k + 1);
-      if ((p - p.cwiseMax(low).cwiseMin(high)).squaredNorm() > best.point.distance_sq) return;
+      if ((p - nearest_in_box(p, low, high)).squaredNorm() > best.point.distance_sq) return;
       const std::size_t cell = grid.index(i, j, k);
       for (std::uint32_t c = grid.start[cell]; c < grid.start[cell + 1]; ++c) {
         update_nearest(mesh, grid.triangles[c], p, best);

@@ -130,7 +130,7 @@ template <class F>
 void for_each_cell_of(const TriangleMesh& mesh, std::size_t triangle, F&& f) noexcept {
   const MeshGrid& grid = mesh.grid;
   const Corners t = mesh.corners(triangle);
-  const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+  const auto [low, high] = box_of(t);
   const Real radius_sq = cell_radius_sq * grid.spacing * grid.spacing;
   for_each_cell(grid, low, high, [&](auto i, auto j, auto k) {
     const Vec3 centre = grid.lower_corner(i, j, k) + Vec3::Constant(grid.spacing / 2);
@@ -143,8 +143,8 @@ void for_each_cell_of(const TriangleMesh& mesh, std::size_t triangle, F&& f) noe
 inline MeshReport lay_out_grid(TriangleMesh& mesh, Real spacing, std::size_t max_cells) noexcept {
   Vec3 low = mesh.vertices[0], high = low;
   for (const Vec3& v : mesh.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+    low = componentwise_min(low, v);
+    high = componentwise_max(high, v);
   }
   mesh.grid.origin = low;
   mesh.grid.spacing = spacing;

@@ -4,6 +4,7 @@
 // selects the face that the corner meets. Depth and contact point are those of the corner itself.
 #pragma once
 
+#include "core/math/componentwise.h"
 #include "core/shape/shape.h"
 #include "core/tuning.h"
 
@@ -34,7 +35,7 @@ struct ShapePoint {
 
 /// Returns the half extent of a bounded shape along its thinnest axis, m; of other kinds infinity.
 inline Real half_thickness(const ShapeParams& shape) noexcept {
-  if (shape.kind == ShapeKind::box) return shape.half_extents.minCoeff();
+  if (shape.kind == ShapeKind::box) return min_component(shape.half_extents);
   return is_carried(shape.kind) ? shape.radius : std::numeric_limits<Real>::infinity();
 }
 

@@ -191,7 +191,7 @@ void pass_on(Missing<Contacts, N>& missing, BodyContactScratch<Contacts, N>& w) 
       for (std::size_t n = size; n-- > 0;) {
         const std::uint32_t i = order[n];
         const Vec3 F_W = missing.F_W[i];
-        if (F_W.isZero(0)) continue;
+        if (F_W == Vec3::Zero()) continue;
         if (!has_link[n]) {
           if (i < N && !joined(i)) w.wrenches[i].f += F_W;
           continue;

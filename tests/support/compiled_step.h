@@ -6,4 +6,5 @@
 
 #define GODOBJECT_STEP_OF(...)                                                           \
   template void step<__VA_ARGS__>(const Params<__VA_ARGS__>&, const Input<__VA_ARGS__>&, \
-                                  State<__VA_ARGS__>&, Scratch<__VA_ARGS__>&, Output<__VA_ARGS__>&) noexcept
+                                  State<__VA_ARGS__>&, Scratch<__VA_ARGS__>&,            \
+                                  Output<__VA_ARGS__>&) noexcept GODOBJECT_NONBLOCKING

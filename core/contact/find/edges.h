@@ -14,6 +14,7 @@
 #include <bit>
 
 #include "core/contact/find/world_geometry.h"
+#include "core/math/componentwise.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -199,7 +200,7 @@ void each_crossing_along(const BoxOnBox& w, int axis, Real reach, Real most, con
 enum class BoxesAre { in_touch, deep, sunk };
 
 inline Real reach_of_edges(const PlacedShape& a, const PlacedShape& b) noexcept {
-  return edge_reach * std::min(a.half_extents().minCoeff(), b.half_extents().minCoeff());
+  return edge_reach * std::min(min_component(a.half_extents()), min_component(b.half_extents()));
 }
 
 /// Calls f(crossing) for the edges of box a that touch or are near edges of box b. Calls it for none if the

@@ -4,6 +4,7 @@
 
 #include "core/contact/find/four_spheres.h"
 #include "core/contact/find/on_shape.h"
+#include "core/math/componentwise.h"
 
 namespace godobject {
 
@@ -83,7 +84,7 @@ bool find_on_surfaces(const ContactFinder<Contacts, N>& w, std::uint32_t a, std:
         } else {
           hits = searched & near_box(shape, pack, travel, nullptr, d, n_W);
           // it may have entered through another face, or have passed through
-          const std::uint32_t past = shape.half_extents().minCoeff() < travel ? 15 : bits(Pack(0) < d);
+          const std::uint32_t past = min_component(shape.half_extents()) < travel ? 15 : bits(Pack(0) < d);
           std::uint32_t fast = hits & ((past & bits(pack.r < travel)) | bits(pack.r <= d));
           for (; fast != 0; fast &= fast - 1) {
             const auto j = static_cast<std::uint32_t>(std::countr_zero(fast));

@@ -4,6 +4,7 @@
 #include "core/contact/candidates.h"
 #include "core/contact/find/broad_phase.h"
 #include "core/contact/find/placed_shape.h"
+#include "core/math/componentwise.h"
 
 namespace godobject {
 
@@ -157,10 +158,10 @@ void enter_broad_phase(std::uint32_t i, ContactFinder<Contacts, N>& w) noexcept 
   for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
     const PlacedShape& shape = w.placed[o];
     const Vec3 half_S = half_extents(shape.in_world());
-    const Real more = owned.travel + edge_reach * half_S.minCoeff();
+    const Real more = owned.travel + edge_reach * min_component(half_S);
     const Vec3 half = shape.R_WS().cwiseAbs() * half_S + Vec3::Constant(more);
-    box.lo = box.lo.cwiseMin(shape.p_W() - half);
-    box.hi = box.hi.cwiseMax(shape.p_W() + half);
+    box.lo = componentwise_min(box.lo, shape.p_W() - half);
+    box.hi = componentwise_max(box.hi, shape.p_W() + half);
   }
   if (!owned.empty() && box.lo.sum() - box.hi.sum() <= 0) w.broad.entries[w.broad.num_entries++].body = i;
 }

@@ -24,6 +24,6 @@ struct OfANet : AmongBodies {
 };
 
 template void step(const Params<PROBED>&, const Input<PROBED>&, State<PROBED>&, Scratch<PROBED>&,
-                   Output<PROBED>&) noexcept;
+                   Output<PROBED>&) noexcept GODOBJECT_NONBLOCKING;
 
 }  // namespace godobject
