@@ -87,13 +87,16 @@ class ByteReader {
 /// Rounds x to the nearest integer (halves away from zero) and clamps it to [low, high]. Returns 0 for NaN:
 /// on the wire 0 commands no motion. The range must contain 0.
 template <std::integral T>
-T saturate_to(double x, T low = std::numeric_limits<T>::min(),
-              T high = std::numeric_limits<T>::max()) noexcept {
+T saturate_to(double x, T low, T high) noexcept {
   if (std::isnan(x)) return 0;
   const double rounded = std::round(x);
   if (rounded <= static_cast<double>(low)) return low;
   if (rounded >= static_cast<double>(high)) return high;
   return static_cast<T>(rounded);
+}
+template <std::integral T>
+T saturate_to(double x) noexcept {
+  return saturate_to(x, std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
 }
 
 /// Compares the size of a frame with the only size that its message has.

@@ -1,13 +1,23 @@
-// Formats numbers and printf patterns as strings for users.
+// Formats numbers and printf patterns as strings for users, and cuts texts without exceptions.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdarg>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace godobject {
+
+/// Returns at most `size` characters from `first` on; fewer where the text ends. substr() throws instead, so
+/// the loop cannot call it (core/nonblocking.h).
+constexpr std::string_view part_of(std::string_view text, std::size_t first,
+                                   std::size_t size = std::string_view::npos) noexcept {
+  first = std::min(first, text.size());
+  return {text.data() + first, std::min(size, text.size() - first)};
+}
 
 /// Formats like printf; at most 159 characters. Allocates.
 [[gnu::format(printf, 1, 2)]] inline std::string format(const char* pattern, ...) {

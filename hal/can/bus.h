@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "core/nonblocking.h"
 #include "hal/can/frame.h"
 
 namespace godobject {
@@ -73,13 +74,13 @@ class CanBus {
 
   [[nodiscard]] virtual bool open() noexcept = 0;
   virtual void close() noexcept = 0;
-  [[nodiscard]] virtual SendResult try_send(const CanFrame& frame) noexcept = 0;
+  [[nodiscard]] virtual SendResult try_send(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the oldest unread frame; false if there is none. Own frames are not returned.
-  [[nodiscard]] virtual bool try_receive(ReceivedFrame& out) noexcept = 0;
-  virtual BusState state() const noexcept = 0;
-  virtual BusCounters counters() const noexcept = 0;
+  [[nodiscard]] virtual bool try_receive(ReceivedFrame& out) noexcept GODOBJECT_NONBLOCKING = 0;
+  virtual BusState state() const noexcept GODOBJECT_NONBLOCKING = 0;
+  virtual BusCounters counters() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// False for a log: its nodes answered another host, so leaving out a SYNC has no effect.
-  virtual bool is_live() const noexcept { return true; }
+  virtual bool is_live() const noexcept GODOBJECT_NONBLOCKING { return true; }
 };
 
 }  // namespace godobject

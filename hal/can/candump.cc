@@ -1,9 +1,9 @@
 #include "hal/can/candump.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
-#include <system_error>
+
+#include "hal/base/format.h"
 
 namespace godobject {
 namespace {
@@ -21,13 +21,26 @@ bool is_interface(std::string_view name) {
          name.find_first_of(" \t\r\n") == std::string::npos;
 }
 
-/// Parses the whole of `text` as an unsigned number.
+/// Returns the value of a digit, at most 15; 16 for any other character.
+constexpr std::uint64_t digit(char c) noexcept {
+  if (c >= '0' && c <= '9') return static_cast<std::uint64_t>(c - '0');
+  const char lower = c >= 'A' && c <= 'F' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower >= 'a' && lower <= 'f' ? static_cast<std::uint64_t>(lower - 'a' + 10) : 16;
+}
+
+/// Parses the whole of `text` as an unsigned number. std::from_chars has a static local table, so the loop
+/// cannot call it (core/nonblocking.h).
 template <class T>
-bool to_number(std::string_view text, int base, T& value) {
-  const char* const end = text.data() + text.size();
-  // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): up to `end`
-  const auto [stop, error] = std::from_chars(text.data(), end, value, base);
-  return error == std::errc{} && stop == end && !text.empty() && text.front() != '-';
+bool to_number(std::string_view text, std::uint64_t base, T& value) noexcept {
+  constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<T>::max());
+  std::uint64_t number = 0;
+  for (const char c : text) {
+    const std::uint64_t d = digit(c);
+    if (d >= base || number > (largest - d) / base) return false;
+    number = base * number + d;
+  }
+  if (!text.empty()) value = static_cast<T>(number);
+  return !text.empty();
 }
 
 class LineWriter {
@@ -60,7 +73,7 @@ class LineWriter {
 /// Cuts `text` at the first `separator`. Returns the text before it and leaves the text after it.
 std::string_view cut(std::string_view& text, char separator) {
   const std::size_t end = std::min(text.find(separator), text.size());
-  const std::string_view head = text.substr(0, end);
+  const std::string_view head = part_of(text, 0, end);
   text.remove_prefix(std::min(end + 1, text.size()));
   return head;
 }
@@ -68,7 +81,7 @@ std::string_view cut(std::string_view& text, char separator) {
 /// Parses "(1631416514.717133)", or with nine digits of fraction.
 bool parse_time(std::string_view text, Nanoseconds& t_ns) {
   if (text.size() < 2 || text.front() != '(' || text.back() != ')') return false;
-  std::string_view fraction_text = text.substr(1, text.size() - 2);
+  std::string_view fraction_text = part_of(text, 1, text.size() - 2);
   const std::string_view seconds_text = cut(fraction_text, '.');
   std::int64_t seconds = 0, fraction = 0;
   const bool nanoseconds = fraction_text.size() == 9;
@@ -90,7 +103,7 @@ bool parse_bytes(std::string_view text, CanFrame& frame) {
   if (text.size() % 2 != 0 || text.size() > 2 * frame.data.size()) return false;
   frame.size = static_cast<std::uint8_t>(text.size() / 2);
   for (std::size_t i = 0; i < frame.size; ++i) {
-    if (!to_number(text.substr(2 * i, 2), 16, frame.data[i])) return false;
+    if (!to_number(part_of(text, 2 * i, 2), 16, frame.data[i])) return false;
   }
   return true;
 }
@@ -102,8 +115,8 @@ bool take_long_dlc(std::string_view& text, bool& has_long_dlc) {
   std::uint32_t dlc = 0;
   has_long_dlc = at != std::string_view::npos;
   if (!has_long_dlc) return true;
-  const bool is_long = text.size() == at + 2 && to_number(text.substr(at + 1), 16, dlc) && dlc > 8;
-  text = text.substr(0, at);
+  const bool is_long = text.size() == at + 2 && to_number(part_of(text, at + 1), 16, dlc) && dlc > 8;
+  text = part_of(text, 0, at);
   return is_long;
 }
 
@@ -113,7 +126,7 @@ bool parse_body(std::string_view text, CanFrame& frame) {
   if (!take_long_dlc(text, has_long_dlc)) return false;
   if (text.starts_with('#')) {
     std::uint32_t flags = 0;
-    if (text.size() < 2 || !to_number(text.substr(1, 1), 16, flags)) return false;
+    if (text.size() < 2 || !to_number(part_of(text, 1, 1), 16, flags)) return false;
     if ((flags & ~(fd_bit_rate_switch_flag | fd_error_state_flag | fd_format_flag)) != 0) return false;
     frame.fd = true;
     frame.bit_rate_switch = (flags & fd_bit_rate_switch_flag) != 0;
@@ -121,7 +134,7 @@ bool parse_body(std::string_view text, CanFrame& frame) {
   }
   if (!frame.fd && text.starts_with('R')) {
     frame.remote = true;
-    const bool has_size = text.size() == 2 && to_number(text.substr(1), 10, frame.size) && is_valid(frame);
+    const bool has_size = text.size() == 2 && to_number(part_of(text, 1), 10, frame.size) && is_valid(frame);
     if (text.size() != 1 && !has_size) return false;
   } else if (!parse_bytes(text, frame) || !is_valid(frame)) {
     return false;
@@ -168,7 +181,7 @@ CandumpResult format_candump(const ReceivedFrame& received, std::string_view int
 CandumpResult parse_candump(std::string_view line, ReceivedFrame& received,
                             std::string_view& interface) noexcept {
   if (!line.starts_with('(')) return CandumpResult::ignored;
-  line = line.substr(0, line.find_first_of("\r\n"));
+  line = part_of(line, 0, line.find_first_of("\r\n"));
   ReceivedFrame parsed;
   if (!parse_time(cut(line, ' '), parsed.t_ns)) return CandumpResult::bad_time;
   line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));

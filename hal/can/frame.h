@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/nonblocking.h"
 #include "hal/base/nanoseconds.h"
 
 namespace godobject {
@@ -45,7 +46,7 @@ struct ReceivedFrame {
 
 /// Callback for each frame completed on a wire, called once per frame, for every sender.
 struct FrameObserver {
-  void (*on_frame)(void* context, const ReceivedFrame& frame) = nullptr;
+  void (*on_frame)(void* context, const ReceivedFrame& frame) GODOBJECT_NONBLOCKING = nullptr;
   void* context = nullptr;
 };
 

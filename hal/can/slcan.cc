@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "hal/base/format.h"
+
 namespace godobject::slcan {
 namespace {
 
@@ -27,7 +29,7 @@ int digit(char c, int base) noexcept {
 bool take(std::string_view& text, std::size_t count, int base, std::uint32_t& value) noexcept {
   if (text.size() < count) return false;
   std::uint32_t number = 0;
-  for (const char c : text.substr(0, count)) {
+  for (const char c : part_of(text, 0, count)) {
     const int d = digit(c, base);
     if (d < 0) return false;
     number = number * static_cast<std::uint32_t>(base) + static_cast<std::uint32_t>(d);
@@ -171,7 +173,7 @@ ParseResult parse_reply_into(std::string_view line, Reply& reply) noexcept {
     reply.kind = ReplyKind::fd_frame;
     return is_fd_frame(line) ? ParseResult::ok : ParseResult::bad_value;
   }
-  const std::string_view rest = line.substr(1);
+  const std::string_view rest = part_of(line, 1);
   switch (line.front()) {
     case '\a': reply.kind = ReplyKind::refused; return check_size(rest.size(), 0);
     case 'z':
@@ -200,7 +202,7 @@ ParseResult parse_request_into(std::string_view line, Request& request) noexcept
     const ParseResult result = take_frame(line, request.frame);
     return result == ParseResult::ok ? check_size(line.size(), 0) : result;
   }
-  const std::string_view rest = line.substr(1);
+  const std::string_view rest = part_of(line, 1);
   switch (line.front()) {
     case 'S':
       request.kind = RequestKind::set_bit_rate;

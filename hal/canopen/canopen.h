@@ -65,7 +65,7 @@ constexpr bool is_canopen(const CanFrame& frame) noexcept {
 
 /// Returns the node of a frame in the predefined connection set: the low seven bits of the COB-ID. Returns 0
 /// if the frame belongs to no node.
-constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
+constexpr std::uint8_t sender(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING {
   return is_canopen(frame) ? static_cast<std::uint8_t>(frame.id & max_node_id) : std::uint8_t{0};
 }
 
@@ -73,7 +73,7 @@ constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
 inline std::vector<CanFilter> filters(std::uint8_t node) { return {{.id = node, .mask = max_node_id}}; }
 
 /// Returns the node that an RPDO1 addresses; 0 if the frame is no RPDO1.
-constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING {
   return is_canopen(frame) && (frame.id & ~std::uint32_t{max_node_id}) == rpdo_cob_id(1, 0)
              ? static_cast<std::uint8_t>(frame.id & max_node_id)
              : std::uint8_t{0};

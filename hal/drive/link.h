@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/nonblocking.h"
 #include "hal/can/filter.h"
 #include "hal/canopen/canopen.h"
 #include "hal/drive/params.h"
@@ -75,15 +76,17 @@ class DriveLink {
   virtual ~DriveLink() = default;
 
   /// Decodes a frame of this drive's node. Changes `out` on ok only.
-  [[nodiscard]] virtual DriveMessage decode(const CanFrame& frame, DriveTelemetry& out) noexcept = 0;
+  [[nodiscard]] virtual DriveMessage decode(const CanFrame& frame,
+                                            DriveTelemetry& out) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the request sent at the beginning of the cycle; none if SYNC requests the answer. order: last
   /// order.
-  virtual std::optional<CanFrame> request(const DriveOrder& order) const noexcept = 0;
+  virtual std::optional<CanFrame> request(const DriveOrder& order) const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the frame sent at the end of the cycle; none if nothing is to be sent or the next request
   /// carries it.
-  virtual DriveFrame command(const DriveOrder& order, Nanoseconds now) const noexcept = 0;
+  virtual DriveFrame command(const DriveOrder& order,
+                             Nanoseconds now) const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Called once `command` has been sent.
-  virtual void sent(const DriveFrame& command, Nanoseconds now) noexcept = 0;
+  virtual void sent(const DriveFrame& command, Nanoseconds now) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the cyclic messages of the enabled drive and its host, without CANopen heartbeats.
   /// event_period_s: period of event-timer messages, s; 0: none. Set-up only: allocates.
   virtual std::vector<CyclicMessage> messages(double cycle_s, double event_period_s) const = 0;
@@ -113,9 +116,9 @@ struct BusProtocol {
   // largest torque that a command can encode, per rated torque; none: any
   std::optional<double> max_torque_per_rated{};
   /// Returns the sending node, 1..127; 0: no node of this protocol.
-  std::uint8_t (*sender)(const CanFrame&) noexcept = nullptr;
+  std::uint8_t (*sender)(const CanFrame&) noexcept GODOBJECT_NONBLOCKING = nullptr;
   /// Returns the drive that a host's command addresses; 0 if the frame is no such command.
-  std::uint8_t (*commanded)(const CanFrame&) noexcept = nullptr;
+  std::uint8_t (*commanded)(const CanFrame&) noexcept GODOBJECT_NONBLOCKING = nullptr;
   /// Returns filters for all frames from and to a node. Allocates.
   std::vector<CanFilter> (*filters)(std::uint8_t node) = nullptr;
   /// Identifier of the command that a newer one may replace before it is sent; null: no command with 11-bit

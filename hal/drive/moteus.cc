@@ -50,7 +50,8 @@ double read_integer(ByteReader reader, double quantum) noexcept {
 template <class T>
 void write_integer(ByteWriter writer, double value, double quantum) noexcept {
   constexpr T nan = std::numeric_limits<T>::min();
-  const auto saturated = saturate_to<T>(value / quantum, static_cast<T>(nan + 1));
+  const auto saturated =
+      saturate_to<T>(value / quantum, static_cast<T>(nan + 1), std::numeric_limits<T>::max());
   writer.put(std::isnan(value) ? nan : saturated);
 }
 

@@ -101,13 +101,13 @@ constexpr std::uint32_t command_id(std::uint8_t node) noexcept { return node; }
 constexpr std::uint32_t reply_id(std::uint8_t node) noexcept { return std::uint32_t{node} << 8; }
 
 /// Returns the node, 1..127, that sent a frame to the host; 0 for any other frame.
-constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
+constexpr std::uint8_t sender(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING {
   const bool to_host = frame.fd && (frame.id & ~0x7F00u) == 0;
   return to_host ? static_cast<std::uint8_t>(frame.id >> 8) : std::uint8_t{0};
 }
 
 /// Returns the node, 1..127, that a host (source 0) addresses; 0: none.
-constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING {
   const bool from_host = frame.fd && (frame.id & ~0x807Fu) == 0;
   return from_host ? static_cast<std::uint8_t>(frame.id & 0x7Fu) : std::uint8_t{0};
 }

@@ -74,14 +74,14 @@ constexpr std::uint32_t frame_id(std::uint8_t node, Command command) noexcept {
 }
 
 /// Returns the sending node, 1..62; 0: none, or node 0, which is not used here.
-constexpr std::uint8_t sender(const CanFrame& frame) noexcept {
+constexpr std::uint8_t sender(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING {
   const std::uint32_t node = frame.id >> 5;
   const bool classic = !frame.extended && !frame.fd && !frame.remote;
   return classic && node <= max_node_id ? static_cast<std::uint8_t>(node) : std::uint8_t{0};
 }
 
 /// Returns the node that a frame commands or configures; 0: none. An e-stop may come from any node.
-constexpr std::uint8_t commanded(const CanFrame& frame) noexcept {
+constexpr std::uint8_t commanded(const CanFrame& frame) noexcept GODOBJECT_NONBLOCKING {
   switch (static_cast<Command>(frame.id & 0x1Fu)) {
     case Command::set_axis_state:
     case Command::set_controller_mode:

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/body/target.h"
+#include "core/nonblocking.h"
 #include "hal/can/bus.h"
 #include "hal/drive/drive.h"
 #include "hal/joint/answer_delay.h"
@@ -87,44 +88,44 @@ class Rig {
   Rig(Rig&&) noexcept = default;
 
   /// off -> booting: sends NMT start to all nodes.
-  void start(Nanoseconds now) noexcept;
+  void start(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
   /// ready -> armed: command() reaches the motors from now on. Returns false in any other state.
-  [[nodiscard]] bool arm() noexcept;
+  [[nodiscard]] bool arm() noexcept GODOBJECT_NONBLOCKING;
   /// armed -> ready: torque ramps down to 0 at the slew limit.
-  void disarm() noexcept;
+  void disarm() noexcept GODOBJECT_NONBLOCKING;
   /// fault -> booting: clears the sticky bits; armed again only after boot and an explicit arm().
-  void clear_faults(Nanoseconds now) noexcept;
+  void clear_faults(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
   /// any but off -> fault: the next command() stops every drive by its own fastest means. For CiA 402 these
   /// are a quick stop by option code 605Ah, for ODrive idle, for moteus stopped. clear_faults() recovers.
-  void quick_stop() noexcept;
+  void quick_stop() noexcept GODOBJECT_NONBLOCKING;
   /// any but off -> fault: the host missed too many deadlines.
-  void deadlines_missed() noexcept;
+  void deadlines_missed() noexcept GODOBJECT_NONBLOCKING;
   /// armed -> fault: the wrench passed to command() swings between its bounds. drive: the drive whose command
   /// swings, if known.
-  void force_oscillates(std::optional<std::size_t> drive) noexcept;
+  void force_oscillates(std::optional<std::size_t> drive) noexcept GODOBJECT_NONBLOCKING;
   /// any but off -> fault: the displayed scene gained energy without external work.
-  void energy_gained() noexcept;
+  void energy_gained() noexcept GODOBJECT_NONBLOCKING;
   /// any -> off: drives disabled, nodes pre-operational.
-  void stop() noexcept;
+  void stop() noexcept GODOBJECT_NONBLOCKING;
 
   /// Sends the first frames of the cycle: SYNC on every bus, or a request to each drive if its protocol has
   /// no SYNC. Positions are sampled at their end. now: in the clock of the buses' receive stamps, ns. A bus
   /// that refuses the frame has no SYNC in this cycle. SYNC is also left out on a bus whose
   /// answers may be late. The host's heartbeat replaces it, and the missing answer shows the delay
   /// (hal/joint/answer_delay.h).
-  void sync(Nanoseconds now) noexcept;
+  void sync(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
   /// Decodes received frames, up to max_frames_per_receive per bus; the next call continues.
-  void receive(Nanoseconds now) noexcept;
+  void receive(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
   /// True if every answer expected to the last SYNC of each bus has arrived.
-  bool complete() const noexcept;
+  bool complete() const noexcept GODOBJECT_NONBLOCKING;
   /// Supervises, then returns the handles. State changes and faults happen here, after the answers are in,
   /// because a late host is no fault of the device.
-  DeviceSample read(Nanoseconds now) noexcept;
+  DeviceSample read(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
   /// Sends one command to every drive: tau = sum of J^T F at the pose of the last read(), zero unless armed.
   /// F_hand_W: wrench of the device on the hand for each handle, world axes, about the handle's origin, N m
   /// and N; missing ones are zero. Components on joints without a drive are not displayed. Call it in every
   /// cycle and state: it also carries the controlwords.
-  CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept;
+  CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
 
   RigState state() const noexcept { return state_; }
   bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }

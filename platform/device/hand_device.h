@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/nonblocking.h"
 #include "hal/can/frame.h"
 #include "hal/joint/kinematic_tree.h"
 #include "hal/rig/rig.h"
@@ -17,6 +18,9 @@
 #include "platform/scene/scene.h"
 
 namespace godobject {
+
+/// Clock of devices and steps, called in the loop.
+using LoopClock = Nanoseconds (*)() noexcept GODOBJECT_NONBLOCKING;
 
 /// One period of a run, passed to the devices of a session in their order.
 struct Period {
@@ -29,7 +33,7 @@ struct Period {
 
   /// Sets the start of the period for devices without a clock of their own.
   /// clock: time source; null: a step after the period before.
-  void begin_by(Nanoseconds (*clock)() noexcept) noexcept {
+  void begin_by(LoopClock clock) noexcept {
     if (has_begun) return;
     began = clock != nullptr ? clock() : began + to_ns(step);
     now = began;
@@ -58,45 +62,45 @@ class HandDevice {
 
   /// Returns the time the device may take to boot, s; the run waits at least as long. None for devices that
   /// need not boot.
-  virtual std::optional<double> boot_limit_s() const noexcept { return std::nullopt; }
+  virtual std::optional<double> boot_limit_s() const noexcept GODOBJECT_NONBLOCKING { return std::nullopt; }
   /// Runs one period of booting.
-  virtual void boot(Period&) noexcept {}
-  virtual bool ready() const noexcept { return true; }
+  virtual void boot(Period&) noexcept GODOBJECT_NONBLOCKING {}
+  virtual bool ready() const noexcept GODOBJECT_NONBLOCKING { return true; }
   /// Enables torque; called once all devices are ready. Returns false if not possible yet.
-  virtual bool arm() noexcept { return true; }
-  virtual bool failed() const noexcept { return false; }
+  virtual bool arm() noexcept GODOBJECT_NONBLOCKING { return true; }
+  virtual bool failed() const noexcept GODOBJECT_NONBLOCKING { return false; }
 
   // Each period:
 
   /// Writes the state of the hand into the bodies' samples, over that of the devices before.
-  virtual void read(Period& period, std::span<BodySample> samples) noexcept = 0;
+  virtual void read(Period& period, std::span<BodySample> samples) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Displays the wrenches to the hand. F_hand_W: one per body, world axes; ignored for bodies without a
   /// device.
-  virtual void command(Period&, std::span<const Wrench>, Shown&) noexcept {}
-  virtual void tell(RunTrouble) noexcept {}
+  virtual void command(Period&, std::span<const Wrench>, Shown&) noexcept GODOBJECT_NONBLOCKING {}
+  virtual void tell(RunTrouble) noexcept GODOBJECT_NONBLOCKING {}
 
   // For devices that grip bodies:
 
   /// Body to hold. None: the motion decides.
-  virtual std::optional<HoldWish> hold() const noexcept { return std::nullopt; }
+  virtual std::optional<HoldWish> hold() const noexcept GODOBJECT_NONBLOCKING { return std::nullopt; }
   /// True if the device has a button that grips the nearest body or releases the held one. hold_pressed():
   /// true if it was pressed in this period.
-  virtual bool has_hold_button() const noexcept { return false; }
-  virtual bool hold_pressed() const noexcept { return false; }
+  virtual bool has_hold_button() const noexcept GODOBJECT_NONBLOCKING { return false; }
+  virtual bool hold_pressed() const noexcept GODOBJECT_NONBLOCKING { return false; }
 
   // From the last step to the last period:
 
   /// True if the device has drives. Their torque must run down before they are switched off.
-  virtual bool makes_torque() const noexcept { return false; }
+  virtual bool makes_torque() const noexcept GODOBJECT_NONBLOCKING { return false; }
   /// disarm(): the torque runs down from the next period on. quick_stop(): each drive removes it by its own
   /// fastest means.
-  virtual void disarm() noexcept {}
-  virtual void quick_stop() noexcept {}
+  virtual void disarm() noexcept GODOBJECT_NONBLOCKING {}
+  virtual void quick_stop() noexcept GODOBJECT_NONBLOCKING {}
   /// Runs one ramp-down period. Returns false once every reachable drive is commanded zero torque.
-  virtual bool run_down(Period&) noexcept { return false; }
+  virtual bool run_down(Period&) noexcept GODOBJECT_NONBLOCKING { return false; }
   /// Disables drives and sets nodes pre-operational. The frames are sent in the periods of close().
-  virtual void stop(Period&) noexcept {}
-  virtual void close(Period&) noexcept {}
+  virtual void stop(Period&) noexcept GODOBJECT_NONBLOCKING {}
+  virtual void close(Period&) noexcept GODOBJECT_NONBLOCKING {}
   /// Discards the device's state, so that it boots again. Allocates.
   virtual void restart() {}
 };

@@ -18,7 +18,7 @@ inline constexpr Nanoseconds spacemouse_tick_ns = 10'000'000;
 class SpaceMouse final : public HandDevice {
  public:
   /// scene: must have a SpaceMouse. clock: clock of the loop, of take() and of tick().
-  SpaceMouse(const SceneConfig& scene, Nanoseconds (*clock)() noexcept);
+  SpaceMouse(const SceneConfig& scene, LoopClock clock);
 
   // For the thread that reads the daemon:
 
@@ -36,7 +36,7 @@ class SpaceMouse final : public HandDevice {
 
   SpaceMouseConfig config_;
   std::size_t body_;  // body of the target; for a device that grips bodies the first that can be held
-  Nanoseconds (*clock_)() noexcept;
+  LoopClock clock_;
   Nanoseconds stale_after_;
   StreamedTarget stream_;
 
@@ -83,7 +83,7 @@ inline Vec3 deflection(const SpacenavEvent& event, std::size_t first,
 
 }  // namespace spacemouse
 
-inline SpaceMouse::SpaceMouse(const SceneConfig& scene, Nanoseconds (*clock)() noexcept)
+inline SpaceMouse::SpaceMouse(const SceneConfig& scene, LoopClock clock)
     : config_(*scene.device->spacemouse),
       body_(spacemouse::moved_body(scene)),
       clock_(clock),

@@ -70,7 +70,7 @@ bool TrackedPoses::ready() const noexcept {
 // ---- device ---------------------------------------------------------------------------------------
 
 TrackerDevice::TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links,
-                             Nanoseconds (*clock)() noexcept)
+                             LoopClock clock)
     : clock_(clock), poses_(std::move(links)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const TrackerParams& tracker : scene.device->trackers)

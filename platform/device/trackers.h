@@ -63,8 +63,7 @@ class TrackerDevice final : public HandDevice {
   /// Allocates; the other functions do not. links: one for each tracker of the scene's device, in their
   /// order.
   /// clock: clock of the links, used if no rig sets the time; null: one step per period.
-  TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links,
-                Nanoseconds (*clock)() noexcept);
+  TrackerDevice(const SceneConfig& scene, std::vector<std::unique_ptr<TrackerLink>> links, LoopClock clock);
 
   std::optional<double> boot_limit_s() const noexcept override;
   void boot(Period& period) noexcept override { update(period); }
@@ -78,7 +77,7 @@ class TrackerDevice final : public HandDevice {
   void update(Period& period) noexcept;
 
   std::vector<std::size_t> bodies_;  // one per pose
-  Nanoseconds (*clock_)() noexcept;
+  LoopClock clock_;
   TrackedPoses poses_;
 };
 

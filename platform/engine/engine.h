@@ -12,6 +12,7 @@
 #include "core/gain_watch.h"
 #include "core/joint/prescribed.h"
 #include "core/net/net.h"
+#include "core/nonblocking.h"
 #include "core/validity.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/net/params.h"
@@ -100,30 +101,30 @@ class Engine {
  public:
   virtual ~Engine() = default;
 
-  virtual const Composition& composition() const noexcept = 0;
+  virtual const Composition& composition() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Runs one time step. samples: one per body. Real-time: no allocation, no lock, no system call.
-  virtual StepReport step(std::span<const BodySample> samples) noexcept = 0;
+  virtual StepReport step(std::span<const BodySample> samples) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Passes time without a step, which is a gap in the devices' samples. s: duration, s.
-  virtual void pass_time(double s) noexcept = 0;
+  virtual void pass_time(double s) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the state of body i after the last step.
-  virtual BodyView view(std::size_t i) const noexcept = 0;
-  virtual Wrench feedback(std::size_t i) const noexcept = 0;
-  virtual EnergyReport energy() const noexcept = 0;
+  virtual BodyView view(std::size_t i) const noexcept GODOBJECT_NONBLOCKING = 0;
+  virtual Wrench feedback(std::size_t i) const noexcept GODOBJECT_NONBLOCKING = 0;
+  virtual EnergyReport energy() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Lists the contacts that bore a force in the last step, in a stable order, as far as `out` has space.
   /// Returns their number. Real-time.
-  virtual std::size_t contacts(std::span<ContactView> out) const noexcept = 0;
+  virtual std::size_t contacts(std::span<ContactView> out) const noexcept GODOBJECT_NONBLOCKING = 0;
   /// The scene's nets: nodes, springs, and the triangles between their nodes; constant. Empty without nets.
-  virtual const SceneNets& nets() const noexcept = 0;
+  virtual const SceneNets& nets() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Writes the positions of the nets' nodes after the last step, world, m, as far as p_W has space. Returns
   /// their number. Real-time.
-  virtual std::size_t net_nodes(std::span<Vec3> p_W) const noexcept = 0;
+  virtual std::size_t net_nodes(std::span<Vec3> p_W) const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Largest ratio l / l_0 of all net springs after the last step; 0 without nets.
-  virtual double net_stretch() const noexcept = 0;
+  virtual double net_stretch() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Writes the wrenches of springs, gears and closing joints, means over the last step, in the order of
   /// term_names(), as far as F_W has space. Each is on the second end about its point, in world axes; that of
   /// a gear acts along coordinate b. Real-time.
-  virtual void term_forces(std::span<Wrench> F_W) const noexcept = 0;
-  virtual std::uint64_t state_hash() const noexcept = 0;
+  virtual void term_forces(std::span<Wrench> F_W) const noexcept GODOBJECT_NONBLOCKING = 0;
+  virtual std::uint64_t state_hash() const noexcept GODOBJECT_NONBLOCKING = 0;
 };
 
 /// One row of the table of compositions.

@@ -51,10 +51,12 @@ class WatchedBus final : public CanBus {
 
   void set_observer(const BusObserver& observer) noexcept {
     observer_ = observer;
-    shows_itself_ = bus_->observe(
-        {.on_frame = [](void* context,
-                        const ReceivedFrame& frame) { static_cast<const WatchedBus*>(context)->show(frame); },
-         .context = this});
+    shows_itself_ =
+        bus_->observe({.on_frame =
+                           [](void* context, const ReceivedFrame& frame) noexcept GODOBJECT_NONBLOCKING {
+                             static_cast<const WatchedBus*>(context)->show(frame);
+                           },
+                       .context = this});
   }
 
  private:
@@ -142,7 +144,7 @@ inline Nanoseconds LinuxLink::wait(Nanoseconds until) noexcept {
   const Nanoseconds left = until - clock_.now();
   if (left <= 0) return clock_.now();
   const timespec timeout{.tv_sec = left / 1'000'000'000, .tv_nsec = left % 1'000'000'000};
-  const int ready = ppoll(polled_.data(), polled_.size(), &timeout, nullptr);
+  const int ready = loop::poll(polled_.data(), polled_.size(), timeout);
   // A missing bus is always readable. Reading it once a cycle, without waiting for it, keeps the loop asleep.
   if (ready > 0)
     for (pollfd& bus : polled_)

@@ -171,13 +171,13 @@ std::size_t SerialPort::read(std::span<std::uint8_t> out) noexcept {
   if (state_ != SerialState::open || out.empty()) return 0;
   const MonotonicClock clock;
   const Nanoseconds begin = clock.now();
-  const ssize_t n = ::read(fd_, out.data(), out.size());
+  const ssize_t n = loop::read(fd_, out.data(), out.size());
   slow_calls_.add(clock.now() - begin);
   if (n > 0) return static_cast<std::size_t>(n);
   if (n == 0) {
     lost(EIO);
-  } else if (errno != EAGAIN && errno != EINTR) {
-    lost(errno);
+  } else if (loop::error() != EAGAIN && loop::error() != EINTR) {
+    lost(loop::error());
   }
   return 0;
 }
@@ -188,10 +188,10 @@ std::size_t SerialPort::write(std::span<const std::uint8_t> bytes) noexcept {
   if (!write.allowed()) return 0;
   const MonotonicClock clock;
   const Nanoseconds begin = clock.now();
-  const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+  const ssize_t n = loop::write(fd_, bytes.data(), bytes.size());
   slow_calls_.add(clock.now() - begin);
   if (n >= 0) return static_cast<std::size_t>(n);
-  if (errno != EAGAIN && errno != EINTR) lost(errno);
+  if (loop::error() != EAGAIN && loop::error() != EINTR) lost(loop::error());
   return 0;
 }
 

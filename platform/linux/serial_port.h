@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/nonblocking.h"
 #include "hal/can/frame.h"
 #include "platform/rt/setup.h"
 
@@ -69,10 +70,10 @@ class SerialPort {
 
   /// Reads the bytes that have arrived, as many as fit. Returns 0 if there are none, or if state() is no
   /// longer open.
-  [[nodiscard]] std::size_t read(std::span<std::uint8_t> out) noexcept;
+  [[nodiscard]] std::size_t read(std::span<std::uint8_t> out) noexcept GODOBJECT_NONBLOCKING;
   /// Returns the number of first bytes that were accepted; fewer than all if the buffer is full or state()
   /// has changed.
-  [[nodiscard]] std::size_t write(std::span<const std::uint8_t> bytes) noexcept;
+  [[nodiscard]] std::size_t write(std::span<const std::uint8_t> bytes) noexcept GODOBJECT_NONBLOCKING;
   /// Waits until read() has bytes or an error, at most `timeout`. Returns false after the timeout. Not for
   /// the loop.
   [[nodiscard]] bool wait_readable(Nanoseconds timeout) noexcept;

@@ -46,7 +46,7 @@ int new_socket() noexcept { return socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOC
 
 }  // namespace
 
-SocketDevice::SocketDevice(const SceneConfig& scene, Nanoseconds (*clock)() noexcept)
+SocketDevice::SocketDevice(const SceneConfig& scene, LoopClock clock)
     : body_(followed_body(scene)),
       clock_(clock),
       stream_(start_of(scene, body_),
@@ -142,16 +142,15 @@ void SocketDevice::stop(Period& period) noexcept {
 
 /// Accepts a program, and refuses further ones.
 void SocketDevice::accept_program() noexcept {
-  const int fd = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  const int fd = loop::accept(listener_);
   if (fd < 0) return;
   if (program_ >= 0) {
     ++counters_.refused;
-    ::close(fd);
+    loop::close(fd);
     return;
   }
   // The kernel's smallest buffer holds a few wrenches, so that a slow program does not display old ones.
-  const int smallest = 0;
-  static_cast<void>(setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &smallest, sizeof smallest));
+  static_cast<void>(loop::set_send_buffer(fd, 0));
   program_ = fd;
   number_ = 0;
   pressed_ = false;
@@ -163,8 +162,8 @@ void SocketDevice::accept_program() noexcept {
 void SocketDevice::receive() noexcept {
   for (int i = 0; i < max_packets && program_ >= 0; ++i) {
     PosePacket sample;
-    const ssize_t size = recv(program_, &sample, sizeof sample, MSG_TRUNC);
-    if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    const ssize_t size = loop::receive(program_, &sample, sizeof sample, MSG_TRUNC);
+    if (size < 0 && (loop::error() == EAGAIN || loop::error() == EINTR)) return;
     if (size <= 0) return disconnect();
     if (size == sizeof sample && sample.magic == PosePacket::magic_of_poses) take(sample);
     else ++counters_.malformed;
@@ -198,14 +197,14 @@ void SocketDevice::take(const PosePacket& sample) noexcept {
 }
 
 void SocketDevice::send(const WrenchPacket& wrench) noexcept {
-  const ssize_t size = ::send(program_, &wrench, sizeof wrench, MSG_NOSIGNAL | MSG_DONTWAIT);
+  const ssize_t size = loop::send(program_, &wrench, sizeof wrench);
   if (size == sizeof wrench) ++counters_.wrenches;
-  else if (size < 0 && errno != EAGAIN && errno != EINTR) disconnect();
+  else if (size < 0 && loop::error() != EAGAIN && loop::error() != EINTR) disconnect();
   else ++counters_.not_sent;
 }
 
 void SocketDevice::disconnect() noexcept {
-  if (program_ >= 0) ::close(program_);
+  if (program_ >= 0) loop::close(program_);
   program_ = -1;
   counters_.connected = false;
 }

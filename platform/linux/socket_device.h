@@ -66,7 +66,7 @@ class SocketDevice final : public HandDevice {
   static constexpr double max_distance = 100;
 
   /// scene: must have a driven body; the first one follows the program. clock: CLOCK_MONOTONIC.
-  SocketDevice(const SceneConfig& scene, Nanoseconds (*clock)() noexcept);
+  SocketDevice(const SceneConfig& scene, LoopClock clock);
   /// Sends a last wrench of zero and removes the socket.
   ~SocketDevice() override;
   SocketDevice(const SocketDevice&) = delete;
@@ -98,7 +98,7 @@ class SocketDevice final : public HandDevice {
   void disconnect() noexcept;
 
   std::size_t body_;  // body that follows the program
-  Nanoseconds (*clock_)() noexcept;
+  LoopClock clock_;
   StreamedTarget stream_;
   StreamedSample newest_;
   std::string path_;

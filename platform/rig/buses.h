@@ -98,23 +98,25 @@ void drain(LinuxLink& link);
 /// Waits for s seconds or until `stop`. Returns false at `stop`.
 bool pause(double s, const std::atomic<bool>& stop);
 
-/// A bus that stores the frames sent to it.
+/// A bus that stores the frames sent to it, as many as the last words of a full bus.
 class FrameNotebook final : public CanBus {
  public:
   bool open() noexcept override { return true; }
   void close() noexcept override {}
   SendResult try_send(const CanFrame& frame) noexcept override {
-    frames_.push_back(frame);
+    if (size_ == frames_.size()) return SendResult::full;
+    frames_[size_++] = frame;
     return SendResult::queued;
   }
   bool try_receive(ReceivedFrame&) noexcept override { return false; }
   BusState state() const noexcept override { return BusState::error_active; }
   BusCounters counters() const noexcept override { return {}; }
 
-  const std::vector<CanFrame>& frames() const { return frames_; }
+  std::span<const CanFrame> frames() const noexcept { return std::span(frames_).first(size_); }
 
  private:
-  std::vector<CanFrame> frames_;
+  std::vector<CanFrame> frames_ = std::vector<CanFrame>(8 * canopen::max_node_id);
+  std::size_t size_ = 0;
 };
 
 /// Returns the frames that Rig::stop() would send on each bus, as bytes: drives off, nodes pre-operational.

@@ -34,7 +34,7 @@ class RigCycle {
   }
 
   /// Returns false after the last period.
-  bool operator()(const Wake& wake) noexcept {
+  bool operator()(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
     if (signals_.requested().load(std::memory_order_relaxed)) phases_.stop();
     if (signals_.insisted().load(std::memory_order_relaxed)) phases_.quick_stop();
     if (phases_.phase() == RunPhase::running) {
@@ -60,7 +60,8 @@ class RigCycle {
     if (deadlines_.holds() || deadlines_.lost())
       for (BodySample& sample : samples_) sample.valid = false;
     std::ranges::fill(F_hand_W_, Wrench{});
-    const bool goes_on = step_(samples_, F_hand_W_);
+    const bool goes_on =
+        loop::call(step_, std::span<const BodySample>(samples_), std::span<Wrench>(F_hand_W_));
     Shown shown;
     device_.command(period, F_hand_W_, shown);
     if (!goes_on || any(shown.faults)) phases_.stop();

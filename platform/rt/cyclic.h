@@ -12,6 +12,7 @@
 #include <ctime>
 
 #include "hal/can/frame.h"
+#include "platform/rt/loop_calls.h"
 
 namespace godobject {
 
@@ -19,8 +20,7 @@ namespace godobject {
 /// clocks of their own.
 struct MonotonicClock {
   Nanoseconds now() const noexcept {
-    timespec t{};
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    const timespec t = loop::now(CLOCK_MONOTONIC);
     return Nanoseconds{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
   }
 
@@ -29,7 +29,7 @@ struct MonotonicClock {
     timespec until{};
     until.tv_sec = static_cast<std::time_t>(t / 1'000'000'000);
     until.tv_nsec = static_cast<long>(t % 1'000'000'000);
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) continue;
+    while (loop::sleep_until(until) == EINTR) continue;
   }
 };
 
@@ -118,7 +118,7 @@ class Cyclic {
   /// A cycle that is late by less than a period runs at once and keeps the phase. Whole periods that have
   /// passed are skipped and counted: cycles are neither stretched nor crowded.
   template <class Work>
-  void run(Work&& work) noexcept {
+  void run(Work&& work) noexcept GODOBJECT_NONBLOCKING {
     Nanoseconds release = clock_.now() + period_;
     bool late = false;
     for (bool more = true; more; release += period_) {

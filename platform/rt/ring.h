@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "platform/rt/loop_calls.h"
+
 namespace godobject {
 
 /// One thread pushes, one other thread pops. If the ring is full the record is lost and counted.
@@ -30,7 +32,7 @@ class Ring {
       lost_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
-    slots_[head & mask_] = record;
+    loop::copy(slots_[head & mask_], record);
     head_.store(head + 1, std::memory_order_release);
     return true;
   }
@@ -39,7 +41,7 @@ class Ring {
   bool try_pop(T& record) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (head_.load(std::memory_order_acquire) == tail) return false;
-    record = slots_[tail & mask_];
+    loop::copy(record, slots_[tail & mask_]);
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }

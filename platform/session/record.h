@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/nonblocking.h"
 #include "hal/rig/rig.h"
 #include "platform/engine/engine.h"
 
@@ -120,11 +121,12 @@ class Truth {
   virtual void start(const SceneConfig& scene, std::span<const BodySample> samples) = 0;
   /// Advances to t before the session's record is written. Real-time.
   /// t: time of the motion, s. samples: as in the engine's step to t.
-  virtual void step(double t, std::span<const BodySample> samples) noexcept = 0;
+  virtual void step(double t, std::span<const BodySample> samples) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Writes the errors of the record that are measured against the true handle. Real-time.
-  virtual void measure(const Followed& followed, CycleRecord& record) const noexcept = 0;
+  virtual void measure(const Followed& followed,
+                       CycleRecord& record) const noexcept GODOBJECT_NONBLOCKING = 0;
   /// False if the motion left the workspace of the simulated device.
-  virtual bool reachable() const noexcept = 0;
+  virtual bool reachable() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Mean load of each bus so far, percent.
   virtual std::vector<double> bus_load_percent() const = 0;
 };
@@ -132,18 +134,19 @@ class Truth {
 // ---- limits: intended bounds of the core, the loop and the drives ----------------------------------
 
 struct RunLimit {
-  std::string_view name;                           // name in the summary, the report and the view
-  bool (*is_active)(const CycleRecord&) noexcept;  // true if the limit was active in this cycle
-  std::string_view remedy;  // for a run in which the limit is often active; empty: no warning
+  std::string_view name;  // name in the summary, the report and the view
+  bool (*is_active)(const CycleRecord&) noexcept
+      GODOBJECT_NONBLOCKING;  // true if the limit was active in this cycle
+  std::string_view remedy;    // for a run in which the limit is often active; empty: no warning
 };
 
 template <Limited bit>
-bool core_limited(const CycleRecord& record) noexcept {
+bool core_limited(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
   return has(record.limited, bit);
 }
 
 template <std::uint32_t CommandReport::*drives>
-bool drives_limited(const CycleRecord& record) noexcept {
+bool drives_limited(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
   return record.drives.*drives != 0;
 }
 
@@ -166,11 +169,12 @@ inline constexpr std::array run_limits{
              "[device.limits] torque_rate"},
     RunLimit{"ramp", core_limited<Limited::ramp>, ""},
     RunLimit{"held",
-             [](const CycleRecord& record) noexcept {
+             [](const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
                return has(record.limited, Limited::held) && !record.on_hold;
              },
              "find the cause of the missing samples: bus load, cables, a tracker's view of its tools"},
-    RunLimit{"deadlines", [](const CycleRecord& record) noexcept { return record.on_hold; },
+    RunLimit{"deadlines",
+             [](const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING { return record.on_hold; },
              "use a longer step, a faster machine or a real-time kernel: the loop missed its deadlines, and "
              "the pose was held "
              "meanwhile"},

@@ -77,7 +77,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.t = motion_time();
   record.engaged = grip_ ? grip_->body().has_value() : !driven_.empty() && samples_[driven_.front()].engaged;
   if (grip_) record.held = grip_->body();
-  record.bodies.resize(scene_.bodies.size());
+  loop::resize(record.bodies, scene_.bodies.size());
   for (std::size_t i = 0; i < record.bodies.size(); ++i) record.bodies[i] = engine_->view(i);
   record.energy = engine_->energy();
   record.num_touching = engine_->contacts(record.touching);

@@ -15,6 +15,7 @@
 #include "platform/device/rig.h"
 #include "platform/device/trackers.h"
 #include "platform/engine/engine.h"
+#include "platform/rt/loop_calls.h"
 #include "platform/scene/toml.h"
 #include "platform/session/grip.h"
 #include "platform/session/record.h"
@@ -32,7 +33,7 @@ struct DeviceParts {
   std::unique_ptr<RigLink> buses;                      // null for a device without buses
   std::vector<std::unique_ptr<TrackerLink>> trackers;  // in the order of the scene's trackers
   // clock of buses and trackers; null: one step per period
-  Nanoseconds (*clock)() noexcept = nullptr;
+  LoopClock clock = nullptr;
   std::unique_ptr<Truth> truth;  // exact state of a simulated device, else null
 };
 
@@ -61,7 +62,7 @@ class Session {
   void start(double limit_s) noexcept { phases_.start(limit_s); }
   /// Runs one period of the present phase. Returns true if the period was a step, which is then recorded.
   /// Real-time, for a record from at_start().
-  bool advance(CycleRecord& record) noexcept;
+  bool advance(CycleRecord& record) noexcept GODOBJECT_NONBLOCKING;
   /// Marks all samples as invalid from the next step on, until hold(false): the pose is held and the force
   /// fades. For a loop that keeps too few of its deadlines.
   void hold(bool on) noexcept { on_hold_ = on; }
@@ -89,7 +90,7 @@ class Session {
   /// Returns the state before the first step. Allocates.
   CycleRecord at_start() const;
   /// Runs one step, in RunPhase::running. Real-time, for a record from at_start().
-  void cycle(CycleRecord& record) noexcept;
+  void cycle(CycleRecord& record) noexcept GODOBJECT_NONBLOCKING;
 
   const SceneConfig& scene() const noexcept { return scene_; }
   const Engine& engine() const noexcept { return *engine_; }
@@ -121,7 +122,7 @@ class Session {
   /// Start of the motion, after the first boot, on the same clock.
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
   /// Sets the clock that times steps. Steps are not timed without one.
-  void set_step_clock(Nanoseconds (*now)() noexcept) noexcept { step_clock_ = now; }
+  void set_step_clock(LoopClock now) noexcept { step_clock_ = now; }
   /// Makes records list their contacts. Call it before at_start().
   void list_contacts() noexcept { lists_contacts_ = true; }
   /// Makes records list the nodes of their nets. Call it before at_start().
@@ -175,7 +176,7 @@ class Session {
   bool on_hold_ = false, deadlines_missed_ = false;
   bool lists_contacts_ = false, lists_net_nodes_ = false;
   bool real_ = false;  // a real device, with real time
-  Nanoseconds (*step_clock_)() noexcept = []() noexcept { return Nanoseconds{0}; };
+  LoopClock step_clock_ = []() noexcept GODOBJECT_NONBLOCKING { return Nanoseconds{0}; };
   Nanoseconds motion_start_ns_ = 0;
   std::uint64_t cycle_ = 0;
 };

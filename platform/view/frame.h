@@ -75,7 +75,7 @@ class ViewTap {
   void offer(const Session& session, const CycleRecord& record) noexcept {
     if (!latest_.wanted()) return;
     ViewSample& sample = latest_.slot();
-    sample.record = record;
+    loop::copy(sample.record, record);
     sample.phase = session.phase();
     sample.missed_deadlines = session.missed_deadlines();
     sample.counters = session.rig_counters();

@@ -35,7 +35,7 @@ const StopParams* stop_of(const SceneConfig& scene, const std::string& coordinat
 
 // ---- bodies ---------------------------------------------------------------------------------------
 
-PointerDevice::PointerDevice(const SceneConfig& scene, Nanoseconds (*clock)() noexcept)
+PointerDevice::PointerDevice(const SceneConfig& scene, LoopClock clock)
     : clock_(clock),
       driven_(driven_bodies(scene)),
       stream_(
@@ -140,7 +140,7 @@ std::vector<CoordinateRange> page_ranges(const SceneConfig& scene) {
   return ranges;
 }
 
-JointPointer::JointPointer(const SceneConfig& scene, Nanoseconds (*clock)() noexcept)
+JointPointer::JointPointer(const SceneConfig& scene, LoopClock clock)
     : clock_(clock),
       joints_(device_tree(scene)->joints),
       ranges_(page_ranges(scene)),

@@ -24,7 +24,7 @@ inline constexpr double max_pointer_speed = 1, max_pointer_turn_rate = 10;  // m
 class PointerDevice final : public HandDevice {
  public:
   /// clock: clock of the loop and of take().
-  PointerDevice(const SceneConfig& scene, Nanoseconds (*clock)() noexcept);
+  PointerDevice(const SceneConfig& scene, LoopClock clock);
 
   // For the view's thread:
 
@@ -43,7 +43,7 @@ class PointerDevice final : public HandDevice {
  private:
   void say(std::optional<std::size_t> held, Nanoseconds now) noexcept;
 
-  Nanoseconds (*clock_)() noexcept;
+  LoopClock clock_;
   std::vector<std::size_t> driven_;
   StreamedTarget stream_;
 
@@ -82,7 +82,7 @@ class JointPointer final : public HandDevice {
  public:
   /// Allocates; the other functions do not. scene: after lead_joints_by_page(). clock: clock of the loop and
   /// of take().
-  JointPointer(const SceneConfig& scene, Nanoseconds (*clock)() noexcept);
+  JointPointer(const SceneConfig& scene, LoopClock clock);
 
   // For the view's thread:
 
@@ -107,7 +107,7 @@ class JointPointer final : public HandDevice {
   void push(bool leads, Nanoseconds now) noexcept;
   double max_rate(std::size_t joint) const noexcept;
 
-  Nanoseconds (*clock_)() noexcept;
+  LoopClock clock_;
   std::vector<DeviceJoint> joints_;
   std::vector<CoordinateRange> ranges_;
   KinematicTree tree_;

@@ -56,7 +56,7 @@ Ring<CycleEntry> make_cycle_ring(const Session& session) {
 }
 
 void prepare(Session& session, RunFiles& files) {
-  session.set_step_clock([]() noexcept { return MonotonicClock{}.now(); });
+  session.set_step_clock([]() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); });
   if (files.wants_frames()) session.set_bus_observer(observer_into(files));
   if (files.wants_contacts()) session.list_contacts();
   if (files.wants_net_nodes()) session.list_net_nodes();

@@ -51,7 +51,7 @@ class RunCycle {
 
   /// Runs one period. Real-time if `record` comes from Session::at_start(). Returns true if the period was a
   /// step, described by `record`.
-  bool run(CycleRecord& record) noexcept {
+  bool run(CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
     if (stop_.load(std::memory_order_relaxed)) session_.stop();
     if (insisted_ && insisted_->load(std::memory_order_relaxed)) session_.quick_stop();
     const bool stepped = session_.advance(record);
@@ -69,7 +69,7 @@ class RunCycle {
   }
   /// Counts missed deadlines; called before each period with a deadline. Periods before the first step do not
   /// count, because booting has no deadline.
-  void watch(const Wake& wake) noexcept {
+  void watch(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
     if (tap_) tap_->woke(wake.latency);
     if (session_.phase() != RunPhase::running) return deadlines_.reset();
     deadlines_.add(wake.late_before, wake.skipped);
@@ -126,7 +126,7 @@ class RealtimeCycle {
       : cycle_(session, plan, stop), out_(out), entry_(entry_of(session)) {}
 
   /// Runs a period. Returns false after the last.
-  bool operator()(const Wake& wake) noexcept {
+  bool operator()(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
     entry_.wake_ns = wake.latency;
     cycle_.watch(wake);
     if (cycle_.run(entry_.record)) static_cast<void>(out_.try_push(entry_));  // the ring counts losses

@@ -94,7 +94,7 @@ Session::Made make_session(const RunOptions& options, SceneConfig scene, Motion 
   if (run.buses.real.are_logs()) return make_session_on_logs(std::move(scene), std::move(motion), run);
   DeviceParts device{.buses = nullptr,
                      .trackers = {},
-                     .clock = []() noexcept { return MonotonicClock{}.now(); },
+                     .clock = []() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); },
                      .truth = nullptr};
   if (has_rig(scene)) {
     auto link = make_link(run.buses.real, *scene.device->rig, scene.step, !options.files.record.empty());
@@ -140,7 +140,7 @@ void check_bus_loads(const RunOptions& options, const SceneConfig& scene, const 
 /// Adds the pointer of the page, the SpaceMouse or the program that is the device, as the options demand.
 void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
   const SceneConfig& scene = session.scene();
-  const auto now = []() noexcept { return MonotonicClock{}.now(); };
+  const auto now = []() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); };
   if (options.view_input && scene.device->unmeasured_tree) {
     run.joint_pointer = std::make_unique<JointPointer>(scene, now);
     session.add(*run.joint_pointer);

@@ -91,7 +91,7 @@ void BoardBus::read_port() noexcept {
     nodes_.receive({bytes.data(), size}, MonotonicClock{}.now());
   }
   // A missing port is always readable and would keep the loop awake.
-  if (port_.state() != SerialState::open) epoll_ctl(waiting_fd_, EPOLL_CTL_DEL, port_.descriptor(), nullptr);
+  if (port_.state() != SerialState::open) loop::stop_waiting(waiting_fd_, port_.descriptor());
 }
 
 /// Sets the timer to the next answer of the nodes, or switches it off. Setting it makes it unreadable until
@@ -100,7 +100,7 @@ void BoardBus::arm_timer() noexcept {
   itimerspec when{};
   if (const auto due = nodes_.next_due())
     when.it_value = {.tv_sec = *due / 1'000'000'000, .tv_nsec = *due % 1'000'000'000};
-  timerfd_settime(timer_fd_, TFD_TIMER_ABSTIME, &when, nullptr);
+  loop::set_timer(timer_fd_, TFD_TIMER_ABSTIME, when);
 }
 
 BusState BoardBus::state() const noexcept {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/nonblocking.h"
 #include "hal/can/bus.h"
 #include "hal/can/filter.h"
 #include "platform/rt/setup.h"
@@ -21,7 +22,7 @@ namespace godobject {
 class LinuxBus : public CanBus {
  public:
   /// Readable when try_receive may have a new frame; -1 while closed. For ppoll.
-  virtual int descriptor() const noexcept = 0;
+  virtual int descriptor() const noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the reason of a failed open() or the meaning of a state() other than error_active, and the
   /// remedy. Empty if there is no trouble. Allocates: not for the loop.
   virtual std::string trouble() const = 0;

@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/base/format.h"
 #include "hal/can/candump.h"
 #include "platform/rt/cyclic.h"
 
@@ -25,7 +26,7 @@ constexpr std::size_t max_log_bytes = std::size_t{2} << 30;  // hours of a full 
 constexpr std::size_t max_named_interfaces = 10;
 
 std::string_view line_at(std::string_view text, std::size_t position) noexcept {
-  return text.substr(position, std::min(text.find('\n', position), text.size()) - position);
+  return part_of(text, position, std::min(text.find('\n', position), text.size()) - position);
 }
 
 const char* text_of(CandumpResult result) {
@@ -188,7 +189,7 @@ void ReplayBus::arm() noexcept {
   itimerspec when{};
   when.it_value.tv_sec = static_cast<time_t>(next_.t_ns / 1'000'000'000);
   when.it_value.tv_nsec = static_cast<long>(next_.t_ns % 1'000'000'000);
-  timerfd_settime(timer_fd_, TFD_TIMER_ABSTIME, &when, nullptr);
+  loop::set_timer(timer_fd_, TFD_TIMER_ABSTIME, when);
 }
 
 SendResult ReplayBus::try_send(const CanFrame& frame) noexcept {

@@ -177,7 +177,7 @@ void PtyBus::open_channel(Channel channel) noexcept {
 void PtyBus::close_channel() noexcept {
   channel_ = Channel::closed;
   line_.discard_output();
-  tcflush(slave_fd_, TCIFLUSH);
+  loop::discard_input(slave_fd_);
   answer(slcan::ok_reply);
 }
 

@@ -58,8 +58,7 @@ TwoClocks read_clocks() noexcept {
   Nanoseconds shortest = oldest;
   for (int i = 0; i < 3 && shortest > close_enough; ++i) {
     const Nanoseconds before = MonotonicClock{}.now();
-    timespec wall{};
-    clock_gettime(CLOCK_REALTIME, &wall);
+    const timespec wall = loop::now(CLOCK_REALTIME);
     const Nanoseconds after = MonotonicClock{}.now();
     if (i != 0 && after - before >= shortest) continue;
     shortest = after - before;
@@ -93,8 +92,7 @@ bool enable_receive_stamps(int socket) noexcept {
 
 Nanoseconds ReceiveStamp::of(const msghdr& message) noexcept {
   scm_timestamping stamps{};  // [0] software, [2] raw hardware, 0: none
-  for (const cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
-       part = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(part))) {
+  for (const cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = loop::next(message, part)) {
     if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_TIMESTAMPING)
       std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
   }
@@ -205,7 +203,7 @@ SendResult SocketCanBus::send_now(const CanFrame& frame) noexcept {
   const std::size_t size = to_kernel(frame, out);
   const BusWrite write;
   if (!write.allowed()) return SendResult::down;
-  if (send(fd_, &out, size, MSG_DONTWAIT) < 0) return refused(errno);
+  if (loop::send(fd_, &out, size) < 0) return refused(loop::error());
   if (state_ == BusState::down) state_ = BusState::error_active;  // the interface is up again
   return SendResult::queued;
 }
@@ -236,7 +234,7 @@ std::string SocketCanBus::as_written(const CanFrame& frame) const {
 bool SocketCanBus::is_up() const noexcept {
   ifreq request{};
   request.ifr_ifindex = static_cast<int>(index_);  // its name may have changed
-  return ioctl(fd_, SIOCGIFNAME, &request) == 0 && ioctl(fd_, SIOCGIFFLAGS, &request) == 0 &&
+  return loop::control(fd_, SIOCGIFNAME, request) == 0 && loop::control(fd_, SIOCGIFFLAGS, request) == 0 &&
          (request.ifr_flags & IFF_UP) != 0;
 }
 
@@ -258,16 +256,16 @@ bool SocketCanBus::read_message(Message& message) noexcept {
   head.msg_iovlen = 1;
   head.msg_control = control.data();
   head.msg_controllen = control.size();
-  const ssize_t size = recvmsg(fd_, &head, MSG_DONTWAIT);
+  const ssize_t size = loop::receive(fd_, head);
   if (size < 0) {
-    if (errno != EAGAIN && errno != EINTR) lose_interface(errno);
+    if (loop::error() != EAGAIN && loop::error() != EINTR) lose_interface(loop::error());
     return false;
   }
   message.size = static_cast<std::size_t>(size);
   message.own = (head.msg_flags & MSG_CONFIRM) != 0;
   // Costs three readings of clocks, so unobserved own frames get no stamp.
   if (!message.own || observer_.on_frame) message.t_ns = stamp_.of(head);
-  for (cmsghdr* part = CMSG_FIRSTHDR(&head); part != nullptr; part = CMSG_NXTHDR(&head, part)) {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&head); part != nullptr; part = loop::next(head, part)) {
     if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SO_RXQ_OVFL)
       std::memcpy(&message.dropped_in_all.emplace(), CMSG_DATA(part), sizeof(std::uint32_t));
   }
