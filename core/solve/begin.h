@@ -14,7 +14,8 @@ struct NearFour {
 
   NearFour(const NearContact* first, std::size_t left) noexcept
       : size(static_cast<std::uint32_t>(std::min<std::size_t>(left, 4))),
-        of{first, first + std::min(size - 1, 1u), first + std::min(size - 1, 2u), first + (size - 1)} {}
+        of{first, first + std::min<std::uint32_t>(size - 1, 1), first + std::min<std::uint32_t>(size - 1, 2),
+           first + (size - 1)} {}
 
   template <class Member>
   auto all(Member member) const noexcept {
