@@ -82,6 +82,16 @@ void add_verb(std::string& page, const CLI::App& verb, const std::string& path) 
   for (const CLI::App* sub : verbs_of(verb)) add_verb(page, *sub, path + " " + sub->get_name());
 }
 
+/// Returns a manual page up to its synopsis. about: the NAME section has it without its full stop.
+std::string man_head(const std::string& name, std::string about, const std::string& version) {
+  std::string title = roff(name);
+  std::ranges::transform(title, title.begin(),
+                         [](char c) { return 'a' <= c && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  if (about.ends_with('.')) about.pop_back();
+  return ".TH " + title + " 1 \"\" \"godobject " + roff(version) + "\"\n.SH NAME\n" + roff(name) + " \\- " +
+         roff(about) + "\n.SH SYNOPSIS\n";
+}
+
 /// Branches of the three `case` statements of the completion.
 struct Cases {
   std::string paths;   // words that lead to a verb
@@ -206,13 +216,27 @@ std::string HelpFormat::make_footer(const CLI::App* app) const {
 }
 
 std::string man_page(const CLI::App& app, const std::string& version) {
-  std::string page = ".TH GODOBJECT 1 \"\" \"godobject " + roff(version) + "\"\n.SH NAME\ngodobject \\- " +
-                     roff(app.get_description()) +
-                     "\n.SH SYNOPSIS\n\\fBgodobject\\fR \\fIVERB\\fR [\\fIOPTIONS\\fR]\n.SH OPTIONS\n";
+  std::string page = man_head("godobject", app.get_description(), version) +
+                     "\\fBgodobject\\fR \\fIVERB\\fR [\\fIOPTIONS\\fR]\n.SH OPTIONS\n";
   add_options(page, app);
   page += ".SH VERBS\n";
   for (const CLI::App* verb : verbs_of(app)) add_verb(page, *verb, verb->get_name());
   return page + ".SH EXIT STATUS\n" + roff(app.get_footer()) + "\n";
+}
+
+std::string man_page_of_verb(const CLI::App& app, const CLI::App& verb, const std::string& version) {
+  const std::string& name = verb.get_name();
+  std::string page = man_head("godobject-" + name, verb.get_description(), version) + "\\fBgodobject " +
+                     roff(name) + "\\fR [\\fIOPTIONS\\fR]";
+  for (const CLI::Option* option : options_of(verb))
+    if (option->get_positional()) page += " \\fI" + roff(option->get_name(true, false)) + "\\fR";
+  page += verbs_of(verb).empty() ? "\n" : " \\fIVERB\\fR\n";
+  if (verb.get_footer() != app.get_footer()) page += ".SH DESCRIPTION\n" + roff(verb.get_footer()) + "\n";
+  page += ".SH OPTIONS\n";
+  add_options(page, verb);
+  if (!verbs_of(verb).empty()) page += ".SH VERBS\n";
+  for (const CLI::App* sub : verbs_of(verb)) add_verb(page, *sub, name + " " + sub->get_name());
+  return page + ".SH EXIT STATUS\n" + roff(app.get_footer()) + "\n.SH SEE ALSO\n\\fBgodobject\\fR(1)\n";
 }
 
 std::string bash_completion(const CLI::App& app) {

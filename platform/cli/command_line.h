@@ -49,6 +49,8 @@ class HelpFormat : public CLI::Formatter {
 
 /// Returns the manual page in roff, section 1.
 std::string man_page(const CLI::App& app, const std::string& version);
+/// Returns the manual page of one verb of the program: godobject-run(1).
+std::string man_page_of_verb(const CLI::App& app, const CLI::App& verb, const std::string& version);
 
 /// Returns the completion of bash for verbs, options and the values of options; elsewhere it completes file
 /// names.

@@ -1,6 +1,6 @@
 // godobject faults: prints meaning and remedy of every fault.
 // godobject import: writes a robot description in URDF as a scene file.
-// godobject man, godobject completion bash: documents for packagers, hidden in help.
+// godobject man [VERB], godobject completion bash: documents for packagers, hidden in help.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -150,8 +150,16 @@ void add_import(CLI::App& app, ExitCode& code) {
 }
 
 void add_documents(CLI::App& app, ExitCode& code) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : verbs_of(app)) verbs.push_back(verb->get_name());
   CLI::App* man = app.add_subcommand("man", "Print the manual page, in roff.")->group("");
-  man->callback([&app, &code] { code = print(man_page(app, GODOBJECT_VERSION)); });
+  const auto of_verb = std::make_shared<std::string>();
+  man->add_option("VERB", *of_verb, "print the page of this verb; default: of the program")
+      ->check(CLI::IsMember(verbs));
+  man->callback([&app, &code, of_verb] {
+    code = print(of_verb->empty() ? man_page(app, GODOBJECT_VERSION)
+                                  : man_page_of_verb(app, *app.get_subcommand(*of_verb), GODOBJECT_VERSION));
+  });
 
   CLI::App* completion = app.add_subcommand("completion", "Print the completion of a shell.")->group("");
   const auto shell = std::make_shared<std::string>();

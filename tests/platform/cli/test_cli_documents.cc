@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <functional>
+#include <regex>
 #include <sstream>
 
 #include "platform/cli/command_line.h"
@@ -68,6 +69,25 @@ TEST_F(CliDocuments, TheManualPageListsEveryVerbAndOption) {
     }
   });
   EXPECT_GT(num_options, 60u);
+}
+
+TEST_F(CliDocuments, EveryVerbHasAManualPageOfItsOwn) {
+  for (const CLI::App* verb : verbs_of(app_)) {
+    const std::string& name = verb->get_name();
+    const ProgramResult man = run_program("man " + name);
+    ASSERT_EQ(man.exit_code, 0) << name;
+    const std::string page = std::regex_replace(man.output, std::regex(R"(\\-)"), "-");
+    EXPECT_THAT(page, HasSubstr(".SH NAME\ngodobject-" + name + " - ")) << name;
+    for_each_verb(*verb, name, [&](const std::string& path, const CLI::App& part) {
+      for (const CLI::Option* option : part.get_options())
+        EXPECT_THAT(page, HasSubstr("\\fB" + (option->get_positional() ? option->get_name(true, false)
+                                                                       : option->get_name(false, true))))
+            << path;
+    });
+  }
+  const ProgramResult unknown = run_program("man nosuch");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.output, HasSubstr("nosuch not in {run,check,"));
 }
 
 TEST_F(CliDocuments, AVerbWithATextOfItsOwnHasItInHelpAndManualPage) {
