@@ -6,6 +6,10 @@ file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/there)
 file(RENAME ${WORK}/there ${WORK}/here)  # must work at any place
 set(prefix ${WORK}/here)
+file(GLOB_RECURSE of_packages ${prefix}/lib/systemd/* ${prefix}/lib/udev/* ${prefix}/share/doc/* ${prefix}/share/man/*)
+if(of_packages)
+  message(FATAL_ERROR "files that only Debian packages have are installed: ${of_packages}")
+endif()
 foreach(example peg rig)
   run(${CMAKE_COMMAND} -S ${SOURCE}/docs/examples/${example} -B ${WORK}/${example} -DCMAKE_PREFIX_PATH=${prefix}
       -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${COMPILER})
