@@ -62,10 +62,11 @@ enum class RunFault : std::size_t {
   deadlines_missed,
   force_oscillates,
   held,
+  seal_broken,
 };
 
 /// Texts in the order of RunFault.
-inline constexpr std::array<FaultText, 10> run_fault_texts{{
+inline constexpr std::array<FaultText, 11> run_fault_texts{{
     {"not_ready", "the device did not come up in time, and no single node is to blame; no cycle was run",
      "check power, cables and bit rates; see boot_timeout"},
     {"not_set_up", "a node could not be commissioned; no cycle was run",
@@ -91,6 +92,8 @@ inline constexpr std::array<FaultText, 10> run_fault_texts{{
     {"held",
      "on a device: deadlines were missed; the pose was held and the force faded for more than 5 % of the run",
      "end other programs on this machine, and check the real-time set-up; see docs/running.md"},
+    {"seal_broken", "with --seal: the loop made a system call that it must not make; the torque was cut",
+     "report the call that is named; without --seal it is made"},
 }};
 
 constexpr const FaultText& text_of(RunFault fault) noexcept {

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -22,6 +23,23 @@
 #endif
 #endif
 
+namespace godobject {
+
+/// Page faults of a thread.
+struct PageFaults {
+  long minor = 0, major = 0;  // without and with a wait for a disk
+
+  PageFaults operator-(const PageFaults& before) const noexcept {
+    return {.minor = minor - before.minor, .major = major - before.major};
+  }
+  void operator+=(const PageFaults& more) noexcept {
+    minor += more.minor;
+    major += more.major;
+  }
+};
+
+}  // namespace godobject
+
 namespace godobject::loop {
 
 /// Returns errno of the last call of this thread.
@@ -32,6 +50,13 @@ inline timespec now(clockid_t clock) noexcept GODOBJECT_NONBLOCKING {
   timespec t{};
   clock_gettime(clock, &t);
   return t;
+}
+
+/// Returns the page faults of this thread.
+inline PageFaults page_faults() noexcept GODOBJECT_NONBLOCKING {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return {.minor = usage.ru_minflt, .major = usage.ru_majflt};
 }
 
 // Waiting: for the next period, and for the answers of buses.

@@ -119,7 +119,7 @@ void block_stop_signals() noexcept;
 /// It sets the name, the signals as by block_stop_signals(), and a stack for the last resort.
 class ThreadSetup {
  public:
-  /// name: at most 15 characters, as in `ps -T` and the table of threads in docs/running.md.
+  /// name: at most 15 characters, as in `ps -T` and the table of docs/threads.md.
   explicit ThreadSetup(const char* name) noexcept;
 
  private:

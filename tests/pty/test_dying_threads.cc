@@ -1,5 +1,5 @@
 // If any thread of a run crashes, the last frames are written. The threads are those of the table in
-// docs/running.md.
+// docs/threads.md.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,9 +34,9 @@ const std::set<std::string> threads_of_a_run{"godobject", "loop", "file", "conso
 /// Threads of other devices.
 const std::set<std::string> threads_of_devices{"tracker", "spacemouse"};
 
-/// Returns the first column of the table in docs/running.md.
+/// Returns the first column of the table in docs/threads.md.
 std::set<std::string> documented_threads() {
-  const std::string page = read_file(GODOBJECT_SOURCE_DIR "/docs/running.md");
+  const std::string page = read_file(GODOBJECT_SOURCE_DIR "/docs/threads.md");
   const std::size_t begin = page.find("<!-- threads: begin -->"), end = page.find("<!-- threads: end -->");
   if (begin == std::string::npos || end == std::string::npos) return {};
   std::istringstream lines(page.substr(begin, end - begin));

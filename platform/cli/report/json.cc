@@ -276,6 +276,11 @@ nlohmann::ordered_json to_json(const RunReport& report) {
                  ? Json(1e-9 * static_cast<double>(report.session.motion_start_ns() + *report.wall_origin_ns))
                  : Json(nullptr)},
             {"timing", timing(report.result.timing, statistics)}};
+  if (const std::optional<PageFaults>& faults = report.result.page_faults)
+    json["page_faults"] = {{"minor", faults->minor}, {"major", faults->major}};
+  if (options.seal)
+    json["seal"] = {{"broken_by", text_or_null(report.result.seal_broken)},
+                    {"refused_calls", report.result.refused_calls}};
   if (report.session.follows()) {
     json["truth"] = report.session.bus() == BusChoice::real ? "none: errors are relative to the core's target"
                                                             : "where the handle is";

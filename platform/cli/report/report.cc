@@ -191,6 +191,11 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
   if (result.statistics.force_oscillates && !session.rig())
     add_run_fault(RunFault::force_oscillates, report.faults);
   if (session.bus() == BusChoice::real && !run.log) add_held(report, report.faults);
+  if (!result.seal_broken.empty())
+    report.faults.push_back(
+        {.name = std::string(text_of(RunFault::seal_broken).name),
+         .text = result.seal_broken + "; " + std::string(text_of(RunFault::seal_broken).remedy),
+         .cycles = result.refused_calls});
   add_core_faults(result.statistics, report.faults);
   add_file_faults(report, losses, report.faults);
   return report;

@@ -152,6 +152,11 @@ void print_summary(std::FILE* out, const RunReport& report) {
   if (report.options.realtime)
     std::fprintf(out, "  %-26s %" PRIu64 " (%" PRIu64 " cycles late, %" PRIu64 " periods skipped)\n",
                  "missed deadlines", result.timing.missed(), result.timing.late, result.timing.skipped);
+  if (result.page_faults)
+    std::fprintf(out, "  %-26s %ld, and %ld from a disk\n", "page faults of the loop",
+                 result.page_faults->minor, result.page_faults->major);
+  if (report.options.seal)
+    std::fprintf(out, "  %-26s %" PRIu64 " system calls refused\n", "seal", result.refused_calls);
   if (result.statistics.holds > 0)
     std::fprintf(out, "  %-26s %" PRIu64 " times, %" PRIu64 " cycles in all: see missed deadlines\n",
                  "held, force faded", result.statistics.holds, result.statistics.hold_cycles);

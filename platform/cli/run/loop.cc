@@ -63,10 +63,12 @@ void prepare(Session& session, RunFiles& files) {
   files.add(session.at_start());
 }
 
-/// Prints once that a signal ends the run, and once that a second one stops the motors.
+/// Prints once that a signal ends the run, and once that a second one or a broken seal stops the motors.
 class StopNotices {
  public:
-  StopNotices(const StopSignals& signals, RunEvents& events) : signals_(signals), events_(events) {}
+  /// seal: null for a run without one.
+  StopNotices(const StopSignals& signals, RunEvents& events, const Seal* seal = nullptr)
+      : signals_(signals), events_(events), seal_(seal) {}
 
   void look(double t_s) {
     if (signals_.requested() && !std::exchange(announced_, true))
@@ -75,24 +77,28 @@ class StopNotices {
                    "send it again for a quick stop");
     if (signals_.insisted() && !std::exchange(insisted_, true))
       events_.tell(RunEventKind::quick_stop, t_s, "second signal: QUICK STOP, the torque is cut at once", "");
+    if (seal_ && seal_->is_broken() && !std::exchange(broken_, true))
+      events_.tell(RunEventKind::quick_stop, t_s, seal_->text() + ": QUICK STOP, the torque is cut at once",
+                   std::string(text_of(RunFault::seal_broken).remedy));
   }
 
  private:
   const StopSignals& signals_;
   RunEvents& events_;
-  bool announced_ = false, insisted_ = false;
+  const Seal* seal_;
+  bool announced_ = false, insisted_ = false, broken_ = false;
 };
 
 /// Moves cycles and frames from the rings to the files, the status line and the console.
 class Drain {
  public:
   Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files, RunEvents& events,
-        const StopSignals& signals, BackgroundFile& console, bool quiet)
+        const StopSignals& signals, const Seal* seal, BackgroundFile& console, bool quiet)
       : cycles_(cycles),
         frames_(frames),
         files_(files),
         events_(events),
-        notices_(signals, events),
+        notices_(signals, events, seal),
         status_(console, quiet) {}
 
   void run() {
@@ -135,13 +141,15 @@ class RealtimeRun {
         real_(real),
         cycles_(make_cycle_ring(session)),
         frames_(frame_ring),
-        drain_(cycles_, frames_, files, events, signals, console, plan.quiet),
+        seal_(plan.seal ? std::make_unique<Seal>() : nullptr),
+        drain_(cycles_, frames_, files, events, signals, seal_.get(), console, plan.quiet),
         quiet_(plan.quiet),
         watch_(events.ring()),
         cycle_(session, plan, signals.requested(), cycles_),
         loop_(clock_, to_ns(session.scene().step)) {
     cycle_.cycle().quick_stop_on(signals.insisted());
     cycle_.cycle().tell(watch_);
+    if (seal_) cycle_.cycle().quick_stop_on(*seal_);
   }
 
   /// Runs the session from start to end. Returns false if no thread can be started.
@@ -182,14 +190,23 @@ class RealtimeRun {
     result.timing = loop_.statistics();
     result.lost_cycles = cycles_.lost();
     result.lost_frames = frames_.lost();
+    result.page_faults = cycle_.page_faults();
+    if (!seal_) return;
+    result.seal_broken = seal_->text();
+    result.refused_calls = seal_->num_refused();
   }
 
  private:
   void run_loop(std::promise<std::vector<RtStep>>& thread_setup) {
     const ThreadSetup setup("loop");
     try {
-      thread_setup.set_value(set_up_rt_thread());
-      loop_.run(cycle_);
+      std::vector<RtStep> steps = set_up_rt_thread();
+      if (seal_) steps.push_back(seal_->close());
+      const bool is_ready = !seal_ || steps.back().result == RtResult::ok;
+      thread_setup.set_value(std::move(steps));
+      if (is_ready) loop_.run(cycle_);
+      cycle_.thread_ends();
+      if (seal_) seal_->loop_ended();
     } catch (...) {  // thrown before the loop, which throws nothing
       thread_setup.set_exception(std::current_exception());
     }
@@ -211,6 +228,7 @@ class RealtimeRun {
   const RigOnBuses* real_;
   Ring<CycleEntry> cycles_;
   Ring<BusFrame> frames_;
+  std::unique_ptr<Seal> seal_;  // null without --seal
   Drain drain_;
   bool quiet_;
   RtProcess process_;

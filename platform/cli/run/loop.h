@@ -17,6 +17,7 @@
 #include "platform/rig/log_link.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/ring.h"
+#include "platform/rt/seal.h"
 #include "platform/rt/setup.h"
 #include "platform/session/session.h"
 #include "platform/view/frame.h"
@@ -31,6 +32,7 @@ struct RunPlan {
   Rearm rearm = Rearm::never;
   bool quiet = false;            // true: no status line
   const LogLink* log = nullptr;  // log that replaces the session's buses, and whose end ends the run; or null
+  bool seal = false;             // true: refuses undocumented system calls of the loop
   ViewTap* tap = nullptr;        // tap of a view, which outlives the run; or null
 };
 
@@ -53,7 +55,8 @@ class RunCycle {
   /// step, described by `record`.
   bool run(CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
     if (stop_.load(std::memory_order_relaxed)) session_.stop();
-    if (insisted_ && insisted_->load(std::memory_order_relaxed)) session_.quick_stop();
+    const bool is_broken = seal_ && seal_->is_broken();
+    if (is_broken || (insisted_ && insisted_->load(std::memory_order_relaxed))) session_.quick_stop();
     const bool stepped = session_.advance(record);
     if (events_) events_->look(session_, record, stepped);
     if (tap_) tap_->offer(session_, record);
@@ -79,6 +82,8 @@ class RunCycle {
   bool ended() const noexcept { return session_.phase() == RunPhase::ended || log_ended(); }
   /// Sets the flag that stops the motors at once, without running down. Not while the loop runs.
   void quick_stop_on(const std::atomic<bool>& insisted) noexcept { insisted_ = &insisted; }
+  /// Sets the seal of the loop, which stops the motors at once when it is broken. Not while the loop runs.
+  void quick_stop_on(const Seal& seal) noexcept { seal_ = &seal; }
   /// Sets the watch that records events. Not while the loop runs.
   void tell(EventWatch& events) noexcept { events_ = &events; }
 
@@ -105,6 +110,7 @@ class RunCycle {
   DeadlineWatch deadlines_;
   ViewTap* tap_;
   const std::atomic<bool>* insisted_ = nullptr;
+  const Seal* seal_ = nullptr;
   EventWatch* events_ = nullptr;
   RunStatistics statistics_;
   std::optional<Nanoseconds> t_first_step_ns_, t_fault_ns_;
@@ -129,8 +135,23 @@ class RealtimeCycle {
   bool operator()(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
     entry_.wake_ns = wake.latency;
     cycle_.watch(wake);
-    if (cycle_.run(entry_.record)) static_cast<void>(out_.try_push(entry_));  // the ring counts losses
+    if (cycle_.run(entry_.record)) {
+      static_cast<void>(out_.try_push(entry_));  // the ring counts losses
+      if (++steps_ == warm_up_steps) faults_before_ = loop::page_faults();
+    }
     return !cycle_.ended();
+  }
+  /// Called by the loop's thread at its end.
+  void thread_ends() noexcept {
+    if (steps_ >= warm_up_steps) page_faults_ += loop::page_faults() - faults_before_;
+    was_warm_ = was_warm_ || steps_ >= warm_up_steps;
+    steps_ = 0;
+  }
+
+  static constexpr std::uint64_t warm_up_steps = 100;
+  /// Returns the page faults of the loop's threads after their first steps; none if there were no more steps.
+  std::optional<PageFaults> page_faults() const noexcept {
+    return was_warm_ ? std::optional(page_faults_) : std::nullopt;
   }
 
   const RunStatistics& statistics() const noexcept { return cycle_.statistics(); }
@@ -140,6 +161,9 @@ class RealtimeCycle {
   RunCycle cycle_;
   Ring<CycleEntry>& out_;
   CycleEntry entry_;
+  std::uint64_t steps_ = 0;  // of this thread
+  bool was_warm_ = false;
+  PageFaults faults_before_, page_faults_;
 };
 
 /// A fault of the rig and its recovery.
@@ -185,8 +209,11 @@ struct RunResult {
   std::vector<std::string> not_set_up;  // reasons why nodes could not be set up; if any, no cycle was run
   std::string_view stopped_by;          // "SIGINT", ...; empty: all cycles were run
   RunStatistics statistics;
-  CyclicStatistics timing;    // wake-up, late, skipped: --realtime only
-  std::vector<RtStep> setup;  // --realtime only
+  CyclicStatistics timing;                // wake-up, late, skipped: --realtime only
+  std::vector<RtStep> setup;              // --realtime only
+  std::optional<PageFaults> page_faults;  // of the loop after its first steps: --realtime only
+  std::string seal_broken;                // refused system call; empty: none, or not sealed
+  std::uint64_t refused_calls = 0;
   std::vector<Recovery> recoveries;
   std::vector<RunEvent> events;  // in the order in which they were printed
   std::uint64_t lost_events = 0, lost_console_lines = 0;

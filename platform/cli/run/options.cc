@@ -202,7 +202,8 @@ PreparedRun prepare(const RunOptions& options) {
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
-              .quiet = options.quiet};
+              .quiet = options.quiet,
+              .seal = options.seal};
   check_passivity(options, scene, *motion, run);
   const bool follows_motion = !moved_by_hand && run.buses.choice != BusChoice::real;
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;

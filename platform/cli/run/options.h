@@ -33,6 +33,7 @@ struct RunOptions {
   std::string scene;                  // path
   bool realtime = false;              // always true on real buses
   bool fast = false;                  // true if given explicitly
+  bool seal = false;                  // true: refuses undocumented system calls of the loop
   bool require_rt = false;            // true: runs only on a machine that meets all real_time_checks()
   std::vector<std::string> buses;     // see plan_buses()
   std::vector<std::string> trackers;  // see plan_trackers()

@@ -61,7 +61,7 @@ Nanoseconds log_origin_ns() {
 
 ExitCode run(RunOptions options) {
   guard_process();
-  if (options.require_rt) options.realtime = true;
+  if (options.require_rt || options.seal) options.realtime = true;
   PreparedRun prepared = prepare(options);
   if (!options.quiet) print_lines(stderr, "note: ", prepared.notes);
   print_lines(stderr, "warning: ", prepared.warnings);
@@ -72,6 +72,10 @@ ExitCode run(RunOptions options) {
     return ExitCode::not_available;
   }
 
+  if (const std::string why_not = options.seal ? Seal::why_not() : ""; !why_not.empty()) {
+    print_lines(stderr, "", {"--seal: the kernel seals no thread: " + why_not});
+    return ExitCode::not_available;
+  }
   if (const std::string why_not = make_folders(options); !why_not.empty()) {
     print_lines(stderr, "", {why_not});
     return ExitCode::usage;
@@ -149,6 +153,11 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_flag("--require-rt", options.require_rt,
                 "refuse a machine without any of the real-time requirements that godobject doctor lists; "
                 "implies --realtime")
+      ->excludes(fast);
+  verb.add_flag(
+          "--seal", options.seal,
+          "refuse every system call of the loop but those of docs/threads.md: a call cuts the torque and "
+          "is a fault; implies --realtime")
       ->excludes(fast);
   verb.add_flag("--strict", options.strict,
                 "refuse a scene with a driven axis that is not passive; see godobject check");

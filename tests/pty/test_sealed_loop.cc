@@ -1,0 +1,259 @@
+// The loop's thread makes no system call but those of docs/threads.md, no call of the heap, and no page
+// fault. This holds in simulated time, and in real time on each kind of device with every output beside it.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "platform/cli/report/files.h"
+#include "platform/cli/run/loop.h"
+#include "platform/linux/socket_device.h"
+#include "platform/rt/seal.h"
+#include "platform/rt/signals.h"
+#include "platform/scene/toml.h"
+#include "platform/simulated/session.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/faulty_rig.h"
+#include "tests/support/run_over_ptys.h"
+
+namespace godobject::test::test_sealed_loop {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+/// Returns why this build or kernel cannot be tested; empty if it can.
+std::string why_not() {
+  if (!AllocationGuard::works()) return "a sanitizer's run-time library makes calls of its own";
+  return Seal::why_not();
+}
+
+Session::Made session_of(const char* file, BusChoice bus) {
+  const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + file);
+  return make_session(*loaded.scene, Motion(*loaded.scene), bus);
+}
+
+TEST(Seal, ItsTableIsThatOfThePage) {
+  std::string expected = "| made for | calls |\n|---|---|";
+  std::string_view purpose;
+  for (const LoopCall& call : loop_calls()) {
+    if (call.purpose != purpose)
+      expected += (purpose.empty() ? "\n| " : " |\n| ") + std::string(call.purpose) + " |";
+    purpose = call.purpose;
+    expected += " `" + std::string(call.name) + "`";
+  }
+  expected += " |\n";
+  EXPECT_THAT(read_file(GODOBJECT_SOURCE_DIR "/docs/threads.md"), HasSubstr(expected));
+}
+
+// ---- simulated time ------------------------------------------------------------------------------
+
+struct SealedRun {
+  const char* scene;
+  BusChoice bus;
+  std::uint64_t num_cycles;
+};
+
+class SealedCycles : public testing::TestWithParam<SealedRun> {};
+
+TEST_P(SealedCycles, CallNothingAndFaultNoPage) {
+  if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  const RtProcess process;
+  const bool is_locked = process.steps()[1].result == RtResult::ok;
+  Session::Made made = session_of(GetParam().scene, GetParam().bus);
+  ASSERT_NE(made.session, nullptr) << made.errors.front();
+  made.session->start(5);
+  Ring<CycleEntry> cycles(4096, entry_of(*made.session));
+  const std::atomic<bool> stop{false};
+  const auto cycle = std::make_unique<RealtimeCycle>(
+      *made.session, RunPlan{.num_cycles = GetParam().num_cycles}, stop, cycles);
+  Seal seal;
+  std::atomic<bool> ended{false};
+  std::string called;
+  std::thread loop([&] {
+    const ThreadSetup setup("loop");
+    EXPECT_EQ(seal.close().result, RtResult::ok);
+    {
+      AllocationGuard guard;
+      while ((*cycle)(Wake{})) continue;
+      guard.disarm();
+      cycle->thread_ends();
+      seal.loop_ended();
+      if (guard.calls() > 0) called = guard.report();
+    }
+    ended = true;
+  });
+  CycleEntry taken = entry_of(*made.session);
+  while (!ended) {
+    while (cycles.try_pop(taken)) continue;
+    std::this_thread::sleep_for(1ms);
+  }
+  loop.join();
+  EXPECT_EQ(seal.text(), "");
+  EXPECT_EQ(seal.num_refused(), 0u);
+  EXPECT_EQ(called, "");
+  EXPECT_EQ(cycle->statistics().cycles, GetParam().num_cycles);
+  ASSERT_TRUE(cycle->page_faults().has_value());
+  if (is_locked) {
+    EXPECT_EQ(cycle->page_faults()->minor, 0);
+    EXPECT_EQ(cycle->page_faults()->major, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SealedCycles,
+                         testing::Values(SealedRun{"rigid.toml", BusChoice::direct, 1'000'000},
+                                         SealedRun{"grasper.toml", BusChoice::sim, 100'000},
+                                         SealedRun{"tracked.toml", BusChoice::sim, 20'000},
+                                         SealedRun{"endobag.toml", BusChoice::direct, 2'000}));
+
+// ---- a planted call --------------------------------------------------------------------------------
+
+/// A user's device that makes a forbidden call in its 200th period.
+class Planted final : public HandDevice {
+ public:
+  explicit Planted(void (*call)()) : call_(call) {}
+  void read(Period&, std::span<BodySample>) noexcept override {
+    if (++periods_ == 200) call_();
+  }
+
+ private:
+  void (*call_)();
+  int periods_ = 0;
+};
+
+struct Plant {
+  const char* name;
+  void (*call)();
+};
+
+class SealedRunWith : public testing::TestWithParam<Plant> {};
+
+TEST_P(SealedRunWith, AForbiddenCallIsNamedAndStopsTheMotors) {
+  if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  Session::Made made = session_of("grasper.toml", BusChoice::sim);
+  ASSERT_NE(made.session, nullptr) << made.errors.front();
+  Planted planted(GetParam().call);
+  made.session->add(planted);
+  RunFiles files({}, made.session->scene(), 0);
+  const std::optional<RunResult> result =
+      run_realtime(*made.session, {.num_cycles = 5000, .quiet = true, .seal = true}, files, nullptr);
+  ASSERT_TRUE(result.has_value());
+  EXPECT_THAT(result->seal_broken, HasSubstr("the loop called " + std::string(GetParam().name) + " ("));
+  EXPECT_THAT(result->seal_broken, HasSubstr("), which the seal refuses"));
+  EXPECT_GE(result->refused_calls, 1u);
+  EXPECT_LT(result->statistics.cycles, 300u);
+  EXPECT_EQ(made.session->phase(), RunPhase::ended);
+  ASSERT_FALSE(result->events.empty());
+  EXPECT_EQ(result->events.back().kind, RunEventKind::quick_stop);
+  EXPECT_THAT(result->events.back().cause, HasSubstr(GetParam().name));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Calls, SealedRunWith,
+    testing::Values(Plant{"openat", [] { static_cast<void>(!open("/dev/null", O_RDONLY | O_CLOEXEC)); }},
+                    Plant{"nanosleep",
+                          [] {
+                            const timespec shortly{.tv_sec = 0, .tv_nsec = 1};
+                            static_cast<void>(syscall(SYS_nanosleep, &shortly, nullptr));
+                          }}),
+    [](const auto& plant) { return plant.param.name; });
+
+// ---- real time -------------------------------------------------------------------------------------
+
+void expect_sealed(const std::string& report_path, const std::string& output) {
+  const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
+  ASSERT_TRUE(report.contains("seal")) << output;
+  EXPECT_TRUE(report["seal"]["broken_by"].is_null()) << report["seal"];
+  EXPECT_EQ(report["seal"]["refused_calls"], 0);
+  EXPECT_GT(report["cycles"], 500);
+  ASSERT_TRUE(report.contains("page_faults")) << output;
+  for (const auto& step : report["machine"]["rt_setup"])
+    if (step["step"] == "lock memory" && step["result"] == "ok") {
+      EXPECT_EQ(report["page_faults"]["minor"], 0);
+      EXPECT_EQ(report["page_faults"]["major"], 0);
+    }
+}
+
+class SealedProgram : public ProgramTest {
+ protected:
+  void SetUp() override {
+    if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  }
+  std::string outputs() const {
+    return " --seal --trace " + path("trace.csv") + " --report " + path("report.json");
+  }
+};
+
+TEST_F(SealedProgram, OnASimulatedDeviceWithEveryOutput) {
+  const ProgramResult result = run_program("run sim/scenes/grasper.toml --duration 3 --view 0 --record " +
+                                           path("bus.log") + outputs());
+  expect_sealed(path("report.json"), result.output);
+}
+
+TEST_F(SealedProgram, OnATrackerOfAPseudoTerminal) {
+  BackgroundProgram far({"simulate", "sim/scenes/tracked.toml", "--control", "-"});
+  const std::string first = far.line();
+  ASSERT_EQ(far.line(), "ready");
+  const ProgramResult result =
+      run_program("run sim/scenes/tracked.toml --tracker polaris=" + first.substr(first.find('/')) +
+                  " --duration 3" + outputs());
+  expect_sealed(path("report.json"), result.output);
+}
+
+TEST_F(SealedProgram, OnAProgramThatConnectsAgain) {
+  const std::string socket_path = path("device.sock");
+  BackgroundProgram host({"run", "sim/scenes/wall.toml", "--device", socket_path, "--duration", "3", "--seal",
+                          "--report", path("report.json")});
+  std::uint32_t number = 0;
+  const auto end = std::chrono::steady_clock::now() + 2500ms;
+  for (int connection = -1, sent = 0; std::chrono::steady_clock::now() < end;) {
+    std::this_thread::sleep_for(1ms);
+    if (connection < 0) {
+      connection = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+      sockaddr_un address{};
+      address.sun_family = AF_UNIX;
+      std::memcpy(address.sun_path, socket_path.c_str(), socket_path.size());
+      number = 0;
+      if (connect(connection, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) continue;
+    } else {
+      PosePacket pose{.number = ++number};
+      pose.t_s = 1e-9 * static_cast<double>(MonotonicClock{}.now());
+      static_cast<void>(send(connection, &pose, sizeof pose, MSG_NOSIGNAL));
+      if (++sent % 500 != 0) continue;
+    }
+    close(connection);
+    connection = -1;
+  }
+  static_cast<void>(host.wait_status());
+  expect_sealed(path("report.json"), "");
+  const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
+  EXPECT_GE(report["device_program"]["connections"], 2);
+}
+
+class SealedOnSlcan : public RunOverPtys {
+ protected:
+  void hear(const CanFrame&) override {}
+};
+
+TEST_F(SealedOnSlcan, WithTraceRecordAndView) {
+  if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  ASSERT_TRUE(start(write("scene.toml", patient_toml()),
+                    {"--seal", "--view", "0", "--trace", path("trace.csv"), "--record", path("bus.log"),
+                     "--report", path("report.json")}));
+  listen(3s);
+  kill(host_->pid(), SIGINT);
+  static_cast<void>(host_->wait_status());
+  expect_sealed(path("report.json"), "");
+}
+
+}  // namespace
+}  // namespace godobject::test::test_sealed_loop
