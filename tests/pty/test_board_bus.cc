@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "hal/rig/rig.h"
-#include "platform/linux/bus/board.h"
+#include "platform/linux/bus/slcan.h"
 #include "platform/linux/link.h"
 #include "sim/node/encoder_board.h"
 #include "tests/support/allocation_guard.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "platform/linux/bus/replay.h"
+#include "platform/linux/bus/bus.h"
 #include "platform/linux/device_threads.h"
 #include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"

@@ -18,8 +18,10 @@
 #include "platform/linux/socket_device.h"
 #include "platform/rig/buses.h"
 #include "platform/rig/log_link.h"
+#include "platform/rt/background_file.h"
 #include "platform/session/passivity.h"
 #include "platform/session/session.h"
+#include "platform/view/live.h"
 #include "platform/view/pointer.h"
 
 namespace godobject {
@@ -150,5 +152,27 @@ void check_socket_device(const RunOptions& options, const SceneConfig& scene,
 /// Connects the SpaceMouse of the run, if any, to its daemon and starts a thread. Returns why this failed;
 /// empty on success.
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run);
+
+// ---- view of a run: its server, its console lines, and the frames from the loop --------------------
+
+/// Adds the texts for the bits of a frame.
+void add_words(ViewAbout& about);
+/// Returns lines with the page's address and its warning.
+std::vector<std::string> view_lines(const std::string& url, const std::string& address);
+/// Returns the warning of a page served on this address; empty: none.
+std::string view_warning(const std::string& address);
+
+class RunView {
+ public:
+  /// Starts the server and sets the plan's tap. Returns why this failed; empty on success.
+  std::string start(const RunOptions& options, PreparedRun& prepared);
+  std::vector<std::string> announcement() const { return view_lines(server_->url(), address_); }
+
+ private:
+  std::string address_;
+  std::unique_ptr<BackgroundFile> console_;
+  std::unique_ptr<LiveView> live_;
+  std::unique_ptr<ViewServer> server_;
+};
 
 }  // namespace godobject

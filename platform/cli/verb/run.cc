@@ -12,7 +12,6 @@
 #include "platform/cli/report/report.h"
 #include "platform/cli/run/loop.h"
 #include "platform/cli/run/options.h"
-#include "platform/cli/verb/view.h"
 #include "platform/rt/background_file.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"

@@ -1,6 +1,6 @@
 // godobject view: shows a trace, a recording of buses or a scene, in a browser or as a picture. Also the view
 // of a run.
-#include "platform/cli/verb/view.h"
+#include "platform/cli/run/options.h"
 
 #include <unistd.h>
 

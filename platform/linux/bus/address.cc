@@ -9,9 +9,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "platform/linux/bus/board.h"
 #include "platform/linux/bus/bus.h"
-#include "platform/linux/bus/replay.h"
 #include "platform/linux/bus/slcan.h"
 #include "platform/linux/bus/socket_can.h"
 #include "platform/linux/serial_port.h"

@@ -1,4 +1,4 @@
-#include "platform/linux/bus/board.h"
+#include "platform/linux/bus/slcan.h"
 
 #include <sys/epoll.h>
 #include <sys/timerfd.h>

@@ -1,4 +1,4 @@
-#include "platform/linux/bus/replay.h"
+#include "platform/linux/bus/bus.h"
 
 #include <sys/timerfd.h>
 #include <unistd.h>

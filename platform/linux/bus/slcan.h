@@ -1,6 +1,6 @@
-// CAN buses of SLCAN lines, in user space, without a kernel driver. SlcanBus is behind an adapter on a serial
-// port. PtyBus simulates such an adapter on a pseudo-terminal. hal/can/slcan.h lists the limits of the
-// protocol; docs/buses.md their consequences for a rig.
+// Buses on serial ports. CAN buses of SLCAN lines are in user space, without a kernel driver. SlcanBus is
+// behind an adapter; PtyBus simulates such an adapter on a pseudo-terminal. hal/can/slcan.h lists the
+// limits of the protocol; docs/buses.md their consequences for a rig. BoardBus is an encoder board.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/board/nodes.h"
 #include "hal/can/slcan.h"
 #include "platform/linux/bus/bus.h"
 #include "platform/linux/serial_port.h"
@@ -166,6 +167,49 @@ class PtyBus final : public LinuxBus {
   Channel channel_ = Channel::closed;
   double requested_bit_rate_ = 0;  // bit rate set by the other end; 0: not set
   BusCounters counters_{};
+  std::string why_{};
+};
+
+// ---- encoder boards: `board:/dev/ttyACM0`, see hal/board/nodes.h ---------------------------------------
+
+/// An encoder board on a serial port as a bus of CiA 406 encoders.
+/// Counters: error_frames are broken frames of the board (CRC, cut off), receive_overflow those missing in
+/// its sequence.
+class BoardBus final : public LinuxBus {
+ public:
+  static constexpr std::uint32_t default_baud = 921'600;
+
+  /// where: path of a serial port, optionally a comma and its baud rate, 921600 by default.
+  BoardBus(const std::string& where, const BusSettings& settings);
+  ~BoardBus() override { close(); }
+
+  bool open() noexcept override;
+  void close() noexcept override;
+  SendResult try_send(const CanFrame& frame) noexcept override;
+  bool try_receive(ReceivedFrame& out) noexcept override;
+  BusState state() const noexcept override;
+  BusCounters counters() const noexcept override;
+
+  /// Readable when the board has sent bytes, and when the nodes have sent frames.
+  int descriptor() const noexcept override { return waiting_fd_; }
+  std::string trouble() const override;
+  std::string slowness() const override { return port_.slowness(); }
+  std::string name() const override { return address_.path; }
+
+ private:
+  bool fail(const char* what);
+  void read_port() noexcept;
+  void arm_timer() noexcept;
+
+  SerialAddress address_;
+  double bit_rate_;
+  std::vector<CanFilter> filters_;
+  SerialPort port_;
+  BoardNodes nodes_;
+  int timer_fd_ = -1;    // timer for pending frames of the nodes
+  int waiting_fd_ = -1;  // epoll on the port and the timer
+  BusCounters counters_{};
+  BoardCounters earlier_{};  // counters of earlier openings
   std::string why_{};
 };
 

@@ -3,7 +3,7 @@
 
 #include <poll.h>
 
-#include "platform/linux/bus/replay.h"
+#include "platform/linux/bus/bus.h"
 #include "platform/rt/cyclic.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/program.h"
