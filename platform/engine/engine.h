@@ -2,6 +2,7 @@
 // time. A product with one scene calls godobject::step on its own scene type instead.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
@@ -125,6 +126,16 @@ class Engine {
   /// a gear acts along coordinate b. Real-time.
   virtual void term_forces(std::span<Wrench> F_W) const noexcept GODOBJECT_NONBLOCKING = 0;
   virtual std::uint64_t state_hash() const noexcept GODOBJECT_NONBLOCKING = 0;
+
+  // Snapshots: all that a step leaves to the next, as the bytes of this build of this composition.
+
+  /// Returns the size of a snapshot, a multiple of eight bytes.
+  virtual std::size_t snapshot_bytes() const noexcept GODOBJECT_NONBLOCKING = 0;
+  /// Writes a snapshot. Real-time. out: snapshot_bytes() bytes.
+  virtual void save(std::span<std::byte> out) const noexcept GODOBJECT_NONBLOCKING = 0;
+  /// Continues from a snapshot of the same scene, composition and build. Returns false if it is none; then
+  /// this engine cannot be used any more.
+  virtual bool restore(std::span<const std::byte> in) noexcept = 0;
 };
 
 /// One row of the table of compositions.

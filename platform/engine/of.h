@@ -1,6 +1,8 @@
 // Engine for one scene type. Included only by the files that instantiate compositions.
 #pragma once
 
+#include <cstring>
+
 #include "core/godobject.h"
 #include "core/setup.h"
 #include "platform/engine/engine.h"
@@ -345,7 +347,48 @@ class EngineOf final : public Engine {
 
   std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
 
+  std::size_t snapshot_bytes() const noexcept override {
+    std::size_t size = 0;
+    each_kept(*this, [&](const auto& member) { size += padded(sizeof member); });
+    return size;
+  }
+
+  void save(std::span<std::byte> out) const noexcept override {
+    each_kept(*this, [&](const auto& member) {
+      std::memcpy(out.data(), static_cast<const void*>(&member), sizeof member);
+      out = out.subspan(padded(sizeof member));
+    });
+  }
+
+  bool restore(std::span<const std::byte> in) noexcept override {
+    if (in.size() != snapshot_bytes()) return false;
+    each_kept(*this, [&](auto& member) {
+      std::memcpy(static_cast<void*>(&member), in.data(), sizeof member);
+      in = in.subspan(padded(sizeof member));
+    });
+    if constexpr (uses<NetOf<S>>)
+      if (!fits(x_.net.contacts)) return false;
+    return fits(x_.contacts);
+  }
+
  private:
+  /// Visits the members that a step leaves to the next. Their types have neither pointers nor heap, so their
+  /// bytes are their value.
+  template <class Self, class Visit>
+  static void each_kept(Self& self, Visit visit) noexcept {
+    visit(self.x_);
+    visit(self.balance_);
+    visit(self.before_);
+    visit(self.tick_);
+  }
+  static constexpr std::size_t padded(std::size_t bytes) noexcept { return (bytes + 7) / 8 * 8; }
+  /// True if the size of a list is within its capacity.
+  template <class List>
+  static bool fits(const List& contacts) noexcept {
+    if constexpr (requires { contacts.list.size(); }) return contacts.size <= contacts.list.size();
+    else return true;
+  }
+
   Composition composition_;
   [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, SceneContacts, Empty> contacts_;
   SceneNets nets_;

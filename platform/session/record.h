@@ -80,6 +80,10 @@ struct CycleRecord {
   std::vector<double> device_q;  // coordinates of the device's joints; NaN while unknown
   // commanded torque, N m, or force, N, at the joint, one per RigParams::drives
   std::vector<double> drive_torque;
+  // Inputs of the engine, and the hash of its state after the step: see Session::list_inputs().
+  std::vector<BodySample> samples;  // one per body; empty unless the session lists them
+  double passed_s = 0;              // time passed to the engine before the step: Engine::pass_time()
+  std::uint64_t state_hash = 0;
 };
 
 /// Coordinates of a scene's joints, computed from the poses of its bodies.

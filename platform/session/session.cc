@@ -85,6 +85,11 @@ void Session::observe(CycleRecord& record) const noexcept {
   engine_->term_forces(record.term_forces);
   record.net_stretch = engine_->net_stretch();
   observe_device(record);
+  if (lists_inputs_) {
+    record.samples = samples_;
+    record.passed_s = passed_s_;
+    record.state_hash = engine_->state_hash();
+  }
   if (!follows()) return;
   const bool relative = scene_.device && scene_.device->kind == DeviceKind::relative;
   const Followed followed_now{
@@ -149,11 +154,14 @@ void Session::update_grip() noexcept {
 /// Reports periods that the loop left out to the engine as a gap in the samples. A simulated device has no
 /// gap, because its time advances by the step.
 void Session::pass_missed_time() noexcept {
+  passed_s_ = 0;
   if (disengages_ || cycle_ == 1) return;
   const Period& period = phases_.period();
   const double periods = 1e-9 * static_cast<double>(period.began - period.began_before) / scene_.step;
   const double missed = std::floor(periods - 0.5);
-  if (missed >= 1) engine_->pass_time(missed * scene_.step);
+  if (missed < 1) return;
+  passed_s_ = missed * scene_.step;
+  engine_->pass_time(passed_s_);
 }
 
 // --- from the first period to the last --------------------------------------------------------------

@@ -125,6 +125,8 @@ class Session {
   void set_step_clock(LoopClock now) noexcept { step_clock_ = now; }
   /// Makes records list their contacts. Call it before at_start().
   void list_contacts() noexcept { lists_contacts_ = true; }
+  /// Makes records list the inputs of the engine and its hash. Call it before at_start().
+  void list_inputs() noexcept { lists_inputs_ = true; }
   /// Makes records list the nodes of their nets. Call it before at_start().
   void list_net_nodes() noexcept { lists_net_nodes_ = true; }
   void set_bus_observer(const BusObserver& observer) noexcept {
@@ -174,11 +176,12 @@ class Session {
   std::unique_ptr<Truth> truth_;  // exact state of a simulated device
   bool disengages_ = false;       // true after restart(): disengages all bodies for the next step
   bool on_hold_ = false, deadlines_missed_ = false;
-  bool lists_contacts_ = false, lists_net_nodes_ = false;
+  bool lists_contacts_ = false, lists_net_nodes_ = false, lists_inputs_ = false;
   bool real_ = false;  // a real device, with real time
   LoopClock step_clock_ = []() noexcept GODOBJECT_NONBLOCKING { return Nanoseconds{0}; };
   Nanoseconds motion_start_ns_ = 0;
   std::uint64_t cycle_ = 0;
+  double passed_s_ = 0;  // time passed to the engine before this step
 };
 
 /// Errors and warnings about the start of a session; no file is named in them.

@@ -1,0 +1,255 @@
+// Input logs are read back as they were written, up to a cut and around damage. The engine continues from
+// their states bit for bit.
+#include "platform/trace/input_log.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <random>
+
+#include "platform/scene/toml.h"
+#include "platform/simulated/session.h"
+
+namespace godobject::test_input_log {
+namespace {
+
+constexpr std::uint64_t num_rows = 1000, state_every = 250;
+
+InputLogHead head_of_test() {
+  return {.version = "1.2.3",
+          .scene_file = "some/scene.toml",
+          .scene = "name = \"scene\"",
+          .files = {{.name = "a.obj", .bytes = std::string("\0\n", 2)}, {.name = "b.stl", .bytes = ""}},
+          .composition = "rigid-1 tr-bdf2",
+          .snapshot_bytes = 80,
+          .log_origin_ns = -5};
+}
+
+/// A record with numbers of which some change from row to row.
+CycleRecord record_at(std::uint64_t cycle) {
+  CycleRecord record = record_of({.bodies = 2, .targets = 1, .device_q = 3, .drives = 1, .joint_q = 2});
+  record.cycle = cycle;
+  record.t = 1e-3 * static_cast<double>(cycle);
+  record.state_hash = 0x9e3779b97f4a7c15u * cycle;
+  if (cycle % 3 == 0) record.held = 1;
+  record.bodies[1].X_WB.q = Quat(Eigen::AngleAxisd(record.t, Vec3::UnitZ()));
+  record.bodies[0].contact_W.tau.z() = -record.t;
+  record.samples[1].F_WB.f.x() = static_cast<double>(cycle / 10);
+  record.samples[0].valid = cycle % 7 != 0;
+  record.samples[1].joint.q_dot.y() = std::nan("");
+  record.device_q[2] = -0.0;
+  record.t_bus_ns = -1;
+  record.fault = static_cast<Fault>(cycle % 2);
+  return record;
+}
+
+std::string log_of_test() {
+  std::string file;
+  InputLogWriter writer(head_of_test(), record_at(0),
+                        [&](const InputLogWriter::Chunk& chunk) { file += chunk.bytes; });
+  EngineState state{.bytes = std::vector<std::byte>(80, std::byte{7})};
+  writer.add(state);
+  for (std::uint64_t cycle = 1; cycle <= num_rows; ++cycle) {
+    writer.add(record_at(cycle));
+    if (cycle % state_every != 0) continue;
+    state.cycle = cycle;
+    state.hash = ~cycle;
+    writer.add(state);
+  }
+  writer.flush();
+  return file + InputLogWriter::end_of(3);
+}
+
+std::vector<std::uint64_t> words_of(const CycleRecord& record) {
+  std::vector<std::uint64_t> words(num_words(sizes_of(record)));
+  to_words(record, words);
+  return words;
+}
+
+/// Rows and states of a file, each of which is as it was written.
+struct Found {
+  std::vector<std::uint64_t> rows;  // cycles
+  std::size_t states = 0;
+  bool has_end = false, can_be_read = false;
+  std::uint64_t damaged = 0;
+};
+
+Found read(std::string_view file) {
+  Found found;
+  InputLogReader reader(file);
+  found.can_be_read = reader.why_not().empty();
+  if (!found.can_be_read) return found;
+  EXPECT_EQ(words_of(reader.start()), words_of(record_at(0)));
+  for (;;) {
+    const InputLogReader::Item item = reader.next();
+    found.damaged = reader.damaged_bytes();
+    found.has_end = item == InputLogReader::Item::end;
+    if (found.has_end || item == InputLogReader::Item::cut) return found;
+    if (item == InputLogReader::Item::state) {
+      ++found.states;
+      EXPECT_EQ(reader.state().hash, reader.state().cycle == 0 ? 0 : ~reader.state().cycle);
+      EXPECT_EQ(reader.state().bytes, std::vector<std::byte>(80, std::byte{7}));
+      continue;
+    }
+    const std::uint64_t cycle = reader.row().cycle;
+    EXPECT_GT(cycle, found.rows.empty() ? 0 : found.rows.back());
+    found.rows.push_back(cycle);
+    const std::vector<std::uint64_t> written = words_of(record_at(cycle));
+    EXPECT_EQ(words_of(reader.row()), written);
+    EXPECT_TRUE(std::ranges::equal(reader.words(), written));
+  }
+}
+
+TEST(InputLog, ChecksumIsThatOfTheStandard) { EXPECT_EQ(crc32("123456789"), 0xCBF43926u); }
+
+TEST(InputLog, IsReadAsItWasWritten) {
+  const std::string file = log_of_test();
+  const Found found = read(file);
+  EXPECT_EQ(found.rows.size(), num_rows);
+  EXPECT_EQ(found.states, 1 + num_rows / state_every);
+  EXPECT_TRUE(found.has_end);
+  EXPECT_EQ(found.damaged, 0u);
+  const InputLogReader reader(file);
+  const InputLogHead &head = reader.head(), written = head_of_test();
+  EXPECT_EQ(head.version, written.version);
+  EXPECT_EQ(head.scene_file, written.scene_file);
+  EXPECT_EQ(head.scene, written.scene);
+  EXPECT_EQ(head.composition, written.composition);
+  EXPECT_EQ(head.log_origin_ns, written.log_origin_ns);
+  ASSERT_EQ(head.files.size(), 2u);
+  EXPECT_EQ(head.files[0].bytes, written.files[0].bytes);
+  EXPECT_EQ(reader.start().samples.size(), 2u);
+}
+
+TEST(InputLog, ConstantQuantitiesTakeLittleSpace) {
+  EXPECT_LT(static_cast<double>(log_of_test().size()), 120.0 * num_rows);
+}
+
+TEST(InputLog, ACutFileIsReadUpToTheCut) {
+  const std::string file = log_of_test();
+  std::mt19937 random(1);
+  for (int i = 0; i < 200; ++i) {
+    const std::size_t size = std::uniform_int_distribution<std::size_t>(0, file.size() - 1)(random);
+    const Found found = read(std::string_view(file).substr(0, size));
+    EXPECT_FALSE(found.has_end);
+    EXPECT_EQ(found.damaged, 0u);
+    // whole chunks before the cut
+    const double share = static_cast<double>(size) / static_cast<double>(file.size());
+    EXPECT_GE(static_cast<double>(found.rows.size()) + 1.5 * input_log_chunk_rows, share * num_rows);
+    for (std::size_t row = 0; row < found.rows.size(); ++row) EXPECT_EQ(found.rows[row], row + 1);
+  }
+}
+
+/// read() compares each row with the written one.
+TEST(InputLog, DamagedChunksAreLeftOut) {
+  const std::string file = log_of_test();
+  std::mt19937 random(2);
+  for (int i = 0; i < 200; ++i) {
+    std::string damaged = file;
+    const std::size_t at = std::uniform_int_distribution<std::size_t>(0, file.size() - 1)(random);
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << (i % 8)));
+    const Found found = read(damaged);
+    if (!found.can_be_read) continue;  // head or start
+    EXPECT_TRUE(found.damaged > 0 || !found.has_end) << at;
+    EXPECT_GE(found.rows.size() + input_log_chunk_rows, num_rows);
+  }
+}
+
+TEST(InputLog, SeekingContinuesWithTheStateBefore) {
+  const std::string file = log_of_test();
+  InputLogReader reader(file);
+  for (const std::uint64_t cycle : {0, 1, 249, 250, 251, 700, 5000}) {
+    reader.continue_at(cycle);
+    ASSERT_EQ(reader.next(), InputLogReader::Item::state);
+    EXPECT_EQ(reader.state().cycle, std::min(cycle, num_rows) / state_every * state_every);
+    if (cycle >= num_rows) continue;
+    ASSERT_EQ(reader.next(), InputLogReader::Item::row);
+    EXPECT_EQ(words_of(reader.row()), words_of(record_at(reader.state().cycle + 1)));
+  }
+}
+
+TEST(InputLog, OtherFilesAreRefused) {
+  EXPECT_FALSE(InputLogReader("").why_not().empty());
+  EXPECT_FALSE(InputLogReader("t,tool.x\n0,1\n").why_not().empty());
+  EXPECT_NE(InputLogReader("godolog2").why_not().find("another format"), std::string::npos);
+  EXPECT_NE(InputLogReader("godolog1").why_not().find("cut at its beginning"), std::string::npos);
+}
+
+TEST(LastChunks, KeepTheLastRowsAfterAState) {
+  const InputLogSizes sizes = sizes_of(record_at(0));
+  LastChunks last(sizes, 80, 2000, 1000);
+  std::string file;
+  bool has_state = false;
+  InputLogWriter writer(head_of_test(), record_at(0), [&](const InputLogWriter::Chunk& chunk) {
+    has_state = has_state || chunk.is_state;
+    if (!has_state) file += chunk.bytes;
+    else last.add(chunk);
+  });
+  EngineState state{.bytes = std::vector<std::byte>(80, std::byte{7})};
+  writer.add(state);
+  for (std::uint64_t cycle = 1; cycle <= 7654; ++cycle) {
+    writer.add(record_at(cycle));
+    if (cycle % 1000 != 0) continue;
+    state.cycle = cycle;
+    state.hash = ~cycle;
+    writer.add(state);
+  }
+  writer.flush();
+  last.each([&](std::string_view piece) { file += piece; });
+  const Found found = read(file);
+  EXPECT_EQ(found.rows.size(), last.num_rows());
+  EXPECT_EQ(found.rows.front(), 5001u);
+  EXPECT_EQ(found.rows.back(), 7654u);
+  EXPECT_EQ(found.states, 3u);
+}
+
+TEST(LastChunks, MoreThanTheMemoryHoldsIsNotKept) {
+  LastChunks last({.bodies = 1}, 8, 1, 1);
+  const std::string large(LastChunks::max_bytes + 1, 'x');
+  last.add({.bytes = "state", .num_rows = 0, .is_state = true});
+  last.add({.bytes = large, .num_rows = 9, .is_state = false});
+  EXPECT_EQ(last.num_rows(), 0u);
+}
+
+class EngineStates : public testing::TestWithParam<const char*> {};
+
+/// A new engine that has the state of a running one computes the same from then on.
+TEST_P(EngineStates, AreAllThatAStepLeavesToTheNext) {
+  const LoadResult loaded =
+      load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + GetParam() + ".toml");
+  ASSERT_TRUE(loaded.scene.has_value());
+  Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+  ASSERT_NE(made.session, nullptr) << made.errors.front();
+  Session& session = *made.session;
+  session.list_inputs();
+  session.start(5);
+  CycleRecord record = session.at_start();
+  const std::vector<BodySample> at_start = record.samples;
+  for (int i = 0; i < 250; ++i) session.cycle(record);
+
+  std::vector<std::byte> state(session.engine().snapshot_bytes());
+  session.engine().save(state);
+  std::string why_not;
+  const std::unique_ptr<Engine> other = make_engine(*loaded.scene, at_start, why_not);
+  ASSERT_NE(other, nullptr) << why_not;
+  EXPECT_FALSE(make_engine(*loaded.scene, at_start, why_not)->restore(std::span(state).first(8)));
+  ASSERT_TRUE(other->restore(state));
+  ASSERT_EQ(other->state_hash(), session.engine().state_hash());
+  for (int i = 0; i < 150; ++i) {
+    session.cycle(record);
+    const StepReport report = other->step(record.samples);
+    ASSERT_EQ(other->state_hash(), record.state_hash) << "step " << i << " after the state";
+    EXPECT_EQ(report.fault, record.fault);
+    EXPECT_EQ(other->energy().balance, record.energy.balance);
+    EXPECT_EQ(other->energy().gained, record.energy.gained);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EngineStates,
+                         testing::Values("rigid", "grasper", "organ", "admittance", "relative", "scissors",
+                                         "scissors-imposed", "grasp", "lego", "net-small", "wall", "desk",
+                                         "catheter", "needle-driver"));
+
+}  // namespace
+}  // namespace godobject::test_input_log
