@@ -99,6 +99,7 @@ void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code
   if (simulation.add_verb != nullptr) simulation.add_verb(app, code);
   add_view(app, checks, code);
   add_accuracy(app, checks, code);
+  add_replay(app, checks, code);
   add_metrics(app, checks, code);
   add_bus_load(app, checks, code);
   add_monitor(app, checks, code);

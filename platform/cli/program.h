@@ -37,6 +37,7 @@ void add_bus_load(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_accuracy(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_replay(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_import(CLI::App& app, ExitCode& code);
 void add_faults(CLI::App& app, ExitCode& code);
 void add_sdo(CLI::App& app, ExitCode& code);

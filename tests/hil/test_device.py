@@ -42,7 +42,8 @@ class Pushed(Device):
 def test_the_force_ends_with_the_run(program, tmp_path, signum):
     path = str(tmp_path / "hand.sock")
     run = subprocess.Popen([program, "run", SOURCE / "sim/scenes/wall.toml", "--device", path, "--quiet",
-                            "--report", tmp_path / "report.json"], cwd=tmp_path, stderr=subprocess.PIPE)
+                            "--report", tmp_path / "report.json", "--record", tmp_path / "run.godo"],
+                           cwd=tmp_path, stderr=subprocess.PIPE)
     try:
         device = Pushed(run, signum)
         device.run(path, duration_s=8)
@@ -57,6 +58,10 @@ def test_the_force_ends_with_the_run(program, tmp_path, signum):
             run.communicate(timeout=20)
         finally:
             run.kill()
+    replay = subprocess.run([program, "replay", tmp_path / "run.godo"], capture_output=True, text=True)
+    assert replay.returncode == 0, replay.stdout + replay.stderr
+    assert replay.stdout.endswith(" s, identical\n")
+    assert ("was cut after cycle" in replay.stderr) == (signum == signal.SIGKILL)
     if signum == signal.SIGKILL:
         return
     report = json.loads((tmp_path / "report.json").read_text())["device_program"]

@@ -2,7 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
+#include <set>
 #include <utility>
+
+#include "platform/scene/text/diagnostics.h"
+#include "platform/scene/toml.h"
 
 namespace godobject {
 namespace {
@@ -17,6 +23,23 @@ std::vector<std::string> bus_names(const SceneConfig& scene) {
   if (scene.device && scene.device->rig)
     for (const BusParams& bus : scene.device->rig->buses) names.push_back(bus.name);
   return names;
+}
+
+constexpr double seconds_before_fault = 10, seconds_after_fault = 1;
+constexpr std::size_t max_scene_file_bytes = std::size_t{256} << 20;
+
+/// Reads the files that the scene refers to. Those that cannot be read any more are left out.
+std::vector<InputLogFile> files_of(const SceneConfig& scene, const std::string& scene_file) {
+  std::set<std::string> names;
+  for (const ObstacleConfig& obstacle : scene.obstacles) names.insert(obstacle.file);
+  for (const NetConfig& net : scene.nets) names.insert(net.file);
+  names.erase("");
+  std::vector<InputLogFile> files;
+  const std::filesystem::path folder = std::filesystem::path(scene_file).parent_path();
+  for (const std::string& name : names)
+    if (FileText file = read_file((folder / name).string(), max_scene_file_bytes); file.text)
+      files.push_back({.name = name, .bytes = std::move(*file.text)});
+  return files;
 }
 
 }  // namespace
@@ -71,6 +94,78 @@ void CandumpLog::write_first(std::size_t count) {
   if (!text.empty()) all_written_ = sink_(text) && all_written_;
 }
 
+// ---- input logs -----------------------------------------------------------------------------------
+
+void list_recorded(const RunFileNames& names, Session& session) noexcept {
+  if (!names.contacts.empty()) session.list_contacts();
+  if (!names.nets.empty()) session.list_net_nodes();
+  if (names.records_inputs()) session.list_inputs();
+}
+
+void take_state(const Session& session, EngineState& state) {
+  state.bytes.resize(session.engine().snapshot_bytes());
+  session.engine().save(state.bytes);
+  state.hash = session.engine().state_hash();
+}
+
+void InputLogOnDisk::add(std::string_view bytes, std::uint64_t rows, std::chrono::milliseconds patience) {
+  if (!file_.write(bytes, patience)) {
+    refused_rows_ += rows;
+    return;
+  }
+  ends_.push_back({.bytes = ends_.back().bytes + bytes.size(), .rows = ends_.back().rows + rows});
+}
+
+std::optional<FileLoss> InputLogOnDisk::close(BackgroundFile::Clock::time_point until) {
+  const BackgroundFile::Result result = file_.close(until);
+  FileLoss loss{.path = path_, .why = result.why, .lost_lines = refused_rows_};
+  std::error_code error;
+  const std::uint64_t written = std::filesystem::file_size(path_, error);
+  if (!error) {
+    const auto last = std::ranges::upper_bound(ends_, written, {}, &End::bytes) - 1;
+    loss.lost_lines += ends_.back().rows - last->rows;
+  }
+  if (loss.why.empty() && loss.lost_lines == 0) return std::nullopt;
+  return loss;
+}
+
+FaultLog::FaultLog(const std::string& path, const InputLogSizes& sizes, std::uint64_t snapshot_bytes,
+                   double step)
+    : path_(path),
+      rows_after_(static_cast<std::uint64_t>(std::llround(seconds_after_fault / step))),
+      last_(sizes, snapshot_bytes, static_cast<std::uint64_t>(std::llround(seconds_before_fault / step)),
+            cycles_between_states(step)) {}
+
+void FaultLog::add(const InputLogWriter::Chunk& chunk, std::chrono::milliseconds patience) {
+  has_state_ = has_state_ || chunk.is_state;
+  if (!has_state_) preamble_ += chunk.bytes;
+  else if (!file_) last_.add(chunk);
+  if (!file_ || rows_after_ == 0) return;
+  file_->add(chunk.bytes, chunk.num_rows, patience);
+  rows_after_ -= std::min(rows_after_, chunk.num_rows);
+  if (rows_after_ == 0) file_->add(InputLogWriter::end_of(0), 0, patience);
+}
+
+bool FaultLog::faults_first(const CycleRecord& record) noexcept {
+  const bool faults = record.fault != Fault::none || any(record.rig_faults);
+  return faults && !std::exchange(has_fault_, faults || has_fault_);
+}
+
+void FaultLog::write(std::chrono::milliseconds patience) {
+  file_.emplace(path_, preamble_.size() + LastChunks::max_bytes + waiting_bytes);
+  file_->add(preamble_, 1, patience);
+  std::uint64_t rows = last_.num_rows();
+  last_.each([&](std::string_view piece) { file_->add(piece, std::exchange(rows, 0), patience); });
+}
+
+std::optional<FileLoss> FaultLog::close(BackgroundFile::Clock::time_point until) {
+  if (!file_) return std::nullopt;
+  if (rows_after_ > 0) file_->add(InputLogWriter::end_of(0), 0, std::chrono::milliseconds(0));
+  return file_->close(until);
+}
+
+// ---- all files ------------------------------------------------------------------------------------
+
 RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns)
     : names_(names), log_origin_ns_(log_origin_ns), driven_(driven_bodies(scene)) {
   for (const JointConfig& joint : scene.joints) children_.push_back(*body_named(scene, joint.child));
@@ -84,17 +179,50 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
   if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
-  if (names.record.empty()) return;
+  if (names.record.empty() || is_input_log(names.record)) return;
   record_ = std::make_shared<CandumpLog>(
       [this](std::string_view text) { return record_file_->write(text, patience_); }, bus_names(scene));
   record_file_.emplace(names.record, waiting_bytes,
                        [log = record_](const BackgroundFile::Append& append) { log->pass_on(append); });
 }
 
+void RunFiles::start(const Session& session) {
+  add(session.at_start());
+  if (wants_inputs()) start_inputs(session, *start_);
+}
+
+void RunFiles::start_inputs(const Session& session, const CycleRecord& start) {
+  const Engine& engine = session.engine();
+  InputLogHead head{.version = GODOBJECT_VERSION,
+                    .scene_file = names_.scene,
+                    .scene = effective_config_toml(session.scene()),
+                    .files = files_of(session.scene(), names_.scene),
+                    .composition = engine.composition().name,
+                    .snapshot_bytes = engine.snapshot_bytes(),
+                    .log_origin_ns = log_origin_ns_};
+  if (is_input_log(names_.record)) input_log_.emplace(names_.record, waiting_bytes);
+  if (!names_.on_fault.empty())
+    fault_log_.emplace(names_.on_fault, sizes_of(start), head.snapshot_bytes, session.scene().step);
+  inputs_.emplace(std::move(head), start, [this](const InputLogWriter::Chunk& chunk) {
+    if (input_log_) input_log_->add(chunk.bytes, chunk.num_rows, patience_);
+    if (fault_log_) fault_log_->add(chunk, patience_);
+  });
+  EngineState state;
+  take_state(session, state);
+  inputs_->add(state);
+}
+
 void RunFiles::add(const CycleRecord& record) {
   if (record.cycle == 0) {
     start_ = record;
     return;
+  }
+  if (inputs_) {
+    inputs_->add(record);
+    if (fault_log_ && fault_log_->faults_first(record)) {
+      inputs_->flush();
+      fault_log_->write(patience_);
+    }
   }
   if (start_) {
     start_->t_bus_ns = record.motion_start_ns;
@@ -159,6 +287,8 @@ std::vector<FileLoss> RunFiles::close() {
   if (contacts_) static_cast<void>(contacts_->close());
   if (nets_) static_cast<void>(nets_->close());
   if (record_) static_cast<void>(record_->close());
+  if (inputs_) inputs_->flush();
+  if (input_log_) input_log_->add(InputLogWriter::end_of(input_log_->refused_rows()), 0, patience_);
   const auto until = BackgroundFile::Clock::now() + close_patience;
   std::vector<FileLoss> losses;
   const auto close_one = [&](std::optional<BackgroundFile>& file, const std::string& path) {
@@ -171,6 +301,10 @@ std::vector<FileLoss> RunFiles::close() {
   close_one(contacts_file_, names_.contacts);
   close_one(nets_file_, names_.nets);
   close_one(record_file_, names_.record);
+  if (input_log_)
+    if (std::optional<FileLoss> loss = input_log_->close(until)) losses.push_back(*std::move(loss));
+  if (fault_log_)
+    if (std::optional<FileLoss> loss = fault_log_->close(until)) losses.push_back(*std::move(loss));
   return losses;
 }
 

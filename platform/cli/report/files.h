@@ -1,4 +1,5 @@
-// The files that a run fills: traces, and the log of bus frames in candump's format, each if requested.
+// The files that a run fills: traces, the log of bus frames in candump's format, and input logs, each if
+// requested.
 #pragma once
 
 #include <array>
@@ -13,6 +14,7 @@
 #include "hal/can/candump.h"
 #include "platform/rt/background_file.h"
 #include "platform/session/session.h"
+#include "platform/trace/input_log.h"
 #include "platform/trace/trace.h"
 
 namespace godobject {
@@ -55,10 +57,15 @@ class CandumpLog {
 
 /// Names of the files to write during a run; empty: not written.
 struct RunFileNames {
-  std::string trace, contacts, nets, record;
+  std::string scene;  // path of the scene file, whose folder has the files that it refers to
+  std::string trace, contacts, nets;
+  std::string record;    // a log of frames, or by its ending an input log
+  std::string on_fault;  // input log of the last seconds before the first fault
   std::uint64_t trace_every =
       1;  // write every n-th row of trace and contacts, and rows where a fault begins or ends
   std::uint64_t nets_every = 40;  // write every n-th row of nets
+
+  bool records_inputs() const noexcept { return is_input_log(record) || !on_fault.empty(); }
 };
 
 /// A file that is not complete.
@@ -68,15 +75,74 @@ struct FileLoss {
   std::uint64_t lost_lines = 0;  // as far as known
 };
 
+/// Makes the records of a session list all that its files have. Call it before Session::at_start().
+void list_recorded(const RunFileNames& names, Session& session) noexcept;
+
+/// Copies the state of the session's engine, but for the cycle. Real-time after the first call.
+void take_state(const Session& session, EngineState& state);
+
+/// Input log in a file, as its chunks come.
+class InputLogOnDisk {
+ public:
+  explicit InputLogOnDisk(const std::string& path, std::size_t room) : path_(path), file_(path, room) {}
+
+  void add(std::string_view bytes, std::uint64_t rows, std::chrono::milliseconds patience);
+  /// Number of rows that did not fit so far.
+  std::uint64_t refused_rows() const noexcept { return refused_rows_; }
+  /// Returns the loss, whose lines are rows; none if the file is complete.
+  std::optional<FileLoss> close(BackgroundFile::Clock::time_point until);
+
+ private:
+  struct End {
+    std::uint64_t bytes = 0, rows = 0;  // from the begin of the file
+  };
+  std::string path_;
+  BackgroundFile file_;
+  std::vector<End> ends_{{}};  // of each chunk, after that of the begin
+  std::uint64_t refused_rows_ = 0;
+};
+
+/// Input log of the last 10 s before the first fault, and of the second after it. Until then the chunks are
+/// in memory.
+class FaultLog {
+ public:
+  FaultLog(const std::string& path, const InputLogSizes& sizes, std::uint64_t snapshot_bytes, double step);
+
+  void add(const InputLogWriter::Chunk& chunk, std::chrono::milliseconds patience);
+  /// Updates with a row. Returns true if the first fault begins with it; then flush the log and call write().
+  bool faults_first(const CycleRecord& record) noexcept;
+  /// Opens the file and writes the chunks in memory.
+  void write(std::chrono::milliseconds patience);
+  /// Returns the loss as InputLogOnDisk does; none if there was no fault.
+  std::optional<FileLoss> close(BackgroundFile::Clock::time_point until);
+  bool is_written() const noexcept { return file_.has_value(); }
+
+ private:
+  std::string path_;
+  std::string preamble_;  // chunks before the first state
+  bool has_state_ = false, has_fault_ = false;
+  std::uint64_t rows_after_;  // number of rows to add after the fault
+  LastChunks last_;
+  std::optional<InputLogOnDisk> file_;
+};
+
 class RunFiles {
  public:
   /// log_origin_ns: added to the times of frames.
   RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns);
 
+  const RunFileNames& names() const noexcept { return names_; }
   bool wants_contacts() const noexcept { return contacts_.has_value(); }
   bool wants_net_nodes() const noexcept { return nets_.has_value(); }
   bool wants_frames() const noexcept { return record_ != nullptr; }
+  bool wants_inputs() const noexcept { return names_.records_inputs(); }
+  /// Adds the state before the first step, and begins input logs.
+  void start(const Session& session);
   void add(const CycleRecord& record);
+  /// Adds the state of the engine after the last added record, for input logs.
+  void add(const EngineState& state) {
+    if (inputs_) inputs_->add(state);
+  }
   void add(const BusFrame& frame) {
     if (!record_) return;
     BusFrame logged = frame;
@@ -88,8 +154,11 @@ class RunFiles {
   void set_patience(std::chrono::milliseconds patience) noexcept { patience_ = patience; }
   /// Waits at most 2 s for pending text, and returns the incomplete files.
   std::vector<FileLoss> close();
+  /// True if there was a fault, so that the file RunFileNames::on_fault exists.
+  bool wrote_on_fault() const noexcept { return fault_log_ && fault_log_->is_written(); }
 
  private:
+  void start_inputs(const Session& session, const CycleRecord& start);
   void add_start();
   void write(const CycleRecord& record);
   bool is_kept(const CycleRecord& record) noexcept;
@@ -111,6 +180,9 @@ class RunFiles {
   std::optional<ContactTraceWriter> contacts_;
   std::optional<NetTraceWriter> nets_;
   std::shared_ptr<CandumpLog> record_;  // shared with the thread that writes it
+  std::optional<InputLogOnDisk> input_log_;
+  std::optional<FaultLog> fault_log_;
+  std::optional<InputLogWriter> inputs_;  // writes to both
 };
 
 }  // namespace godobject

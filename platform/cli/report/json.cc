@@ -320,11 +320,9 @@ nlohmann::ordered_json to_json(const RunReport& report) {
                   {"console_lines", report.result.lost_console_lines}};
   json["machine"] = machine(report.result.setup);
   json["state_hash"] = hash_text(report.session.engine().state_hash());
-  json["files"] = {{"trace", options.files.trace},
-                   {"contacts", options.files.contacts},
-                   {"nets", options.files.nets},
-                   {"record", options.files.record},
-                   {"report", options.report}};
+  json["files"] = {{"trace", options.files.trace},       {"contacts", options.files.contacts},
+                   {"nets", options.files.nets},         {"record", options.files.record},
+                   {"on_fault", options.files.on_fault}, {"report", options.report}};
   return json;
 }
 

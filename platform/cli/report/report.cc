@@ -83,7 +83,12 @@ void add_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
 void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losses,
                      std::vector<FaultReport>& faults) {
   std::uint64_t lost_rows = report.result.lost_cycles, lost_frames = report.result.lost_frames;
+  std::array<std::uint64_t, 2> lost_inputs{report.result.lost_cycles, 0};
   for (const FileLoss& loss : losses) {
+    if (loss.why.empty() && is_input_log(loss.path)) {
+      lost_inputs[loss.path == report.options.files.record ? 0 : 1] += loss.lost_lines;
+      continue;
+    }
     if (loss.why.empty()) {
       (loss.path == report.options.files.record ? lost_frames : lost_rows) += loss.lost_lines;
       continue;
@@ -100,7 +105,9 @@ void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losse
   };
   lost(report.options.files.trace, lost_rows);
   lost(report.options.files.contacts, lost_rows);
-  lost(report.options.files.record, lost_frames);
+  const std::string& record = report.options.files.record;
+  lost(record, is_input_log(record) ? lost_inputs[0] : lost_frames);
+  lost(report.options.files.on_fault, lost_inputs[1]);
 }
 
 std::vector<TrackerReportLine> tracker_reports(const Session& session) {

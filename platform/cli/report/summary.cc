@@ -120,7 +120,7 @@ void print_recoveries(std::FILE* out, const RunReport& report) {
 
 void print_files(std::FILE* out, const RunOptions& options) {
   for (const std::string& file : {options.files.trace, options.files.contacts, options.files.nets,
-                                  options.files.record, options.report})
+                                  options.files.record, options.files.on_fault, options.report})
     if (!file.empty()) std::fprintf(out, "  %-26s %s\n", "file", file.c_str());
 }
 

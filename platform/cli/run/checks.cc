@@ -58,14 +58,18 @@ std::string why_not_writable(const std::string& path) {
 
 void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
                   std::vector<std::string>& errors) {
-  if (options.files.record.empty()) return;
+  if (options.files.record.empty() || is_input_log(options.files.record)) return;
   if (options.view_input) {
     errors.push_back("--record: with --view-input there is no bus to record: remove either");
   } else if (!has_rig(scene)) {
-    errors.push_back("--record: scene '" + scene.name +
-                     "' describes no buses to record: remove --record, or add [[bus]] tables");
+    errors.push_back(
+        "--record: scene '" + scene.name +
+        "' describes no buses to record: name the file .godo for its inputs, remove --record, or "
+        "add [[bus]] tables");
   } else if (choice == BusChoice::direct) {
-    errors.push_back("--record: with --bus direct there is no bus to record: remove either");
+    errors.push_back(
+        "--record: with --bus direct there is no bus to record: name the file .godo for its "
+        "inputs, or remove either");
   } else {
     for (const BusParams& bus : scene.device->rig->buses)
       if (bus.name.size() > max_interface_name)
@@ -89,11 +93,14 @@ void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector
 }  // namespace
 
 void check_outputs(const RunOptions& options, std::vector<std::string>& errors) {
+  if (!options.files.on_fault.empty() && !is_input_log(options.files.on_fault))
+    errors.push_back("--on-fault: '" + options.files.on_fault + "' must end in " +
+                     std::string(input_log_ending) + ", as input logs do: give another name");
   std::vector<NamedPath> taken{{"the scene file", options.scene}, {"--motion", options.motion}};
   for (const NamedPath& out :
        {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
         NamedPath{"--nets", options.files.nets}, NamedPath{"--record", options.files.record},
-        NamedPath{"--report", options.report}}) {
+        NamedPath{"--on-fault", options.files.on_fault}, NamedPath{"--report", options.report}}) {
     if (out.path.empty()) continue;
     const std::string why_not = why_not_writable(out.path);
     if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
@@ -106,7 +113,7 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
 
 std::string make_folders(const RunOptions& options) {
   for (const std::string& path : {options.files.trace, options.files.contacts, options.files.nets,
-                                  options.files.record, options.report}) {
+                                  options.files.record, options.files.on_fault, options.report}) {
     std::error_code error;
     if (path.empty() || fs::exists(folder_of(path), error)) continue;
     if (!fs::create_directories(folder_of(path), error) && error)

@@ -21,6 +21,7 @@ namespace {
 // About three seconds at 1 kHz, so that the disk may stall for this time; less for long chains.
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
+constexpr std::size_t state_ring = 4;  // there is a state each second, or more often
 constexpr std::chrono::milliseconds drain_interval{10};
 // Text kept for a blocked terminal or pipe, and the time to wait for it at the end.
 constexpr std::size_t console_bytes = 1 << 16;
@@ -49,7 +50,7 @@ Ring<CycleEntry> make_cycle_ring(const Session& session) {
   const std::size_t bytes =
       sizeof entry + entry.record.bodies.size() * sizeof(BodyView) +
       entry.record.touching.size() * sizeof(ContactView) + entry.record.net_nodes.size() * sizeof(Vec3) +
-      entry.record.targets.size() * sizeof(TargetSample) +
+      entry.record.targets.size() * sizeof(TargetSample) + entry.record.samples.size() * sizeof(BodySample) +
       (entry.record.joint_q.size() + entry.record.device_q.size() + entry.record.drive_torque.size()) *
           sizeof(double);
   return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
@@ -58,9 +59,16 @@ Ring<CycleEntry> make_cycle_ring(const Session& session) {
 void prepare(Session& session, RunFiles& files) {
   session.set_step_clock([]() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); });
   if (files.wants_frames()) session.set_bus_observer(observer_into(files));
-  if (files.wants_contacts()) session.list_contacts();
-  if (files.wants_net_nodes()) session.list_net_nodes();
-  files.add(session.at_start());
+  list_recorded(files.names(), session);
+  files.start(session);
+}
+
+/// Returns a ring of states, with one slot of no size unless an input log is written.
+Ring<EngineState> make_state_ring(const Session& session, const RunFiles& files) {
+  EngineState state;
+  if (!files.wants_inputs()) return Ring<EngineState>(1, state);
+  take_state(session, state);
+  return Ring<EngineState>(state_ring, state);
 }
 
 /// Prints once that a signal ends the run, and once that a second one or a broken seal stops the motors.
@@ -89,12 +97,13 @@ class StopNotices {
   bool announced_ = false, insisted_ = false, broken_ = false;
 };
 
-/// Moves cycles and frames from the rings to the files, the status line and the console.
+/// Moves cycles, states and frames from the rings to the files, the status line and the console.
 class Drain {
  public:
-  Drain(Ring<CycleEntry>& cycles, Ring<BusFrame>& frames, RunFiles& files, RunEvents& events,
-        const StopSignals& signals, const Seal* seal, BackgroundFile& console, bool quiet)
+  Drain(Ring<CycleEntry>& cycles, Ring<EngineState>& states, Ring<BusFrame>& frames, RunFiles& files,
+        RunEvents& events, const StopSignals& signals, const Seal* seal, BackgroundFile& console, bool quiet)
       : cycles_(cycles),
+        states_(states),
         frames_(frames),
         files_(files),
         events_(events),
@@ -106,6 +115,7 @@ class Drain {
     events_.drain();
     while (cycles_.try_pop(entry_)) {
       t_s_ = entry_.record.t;
+      if (files_.wants_inputs()) add_state_before(entry_.record.cycle);
       files_.add(entry_.record);
       status_.update(entry_.record, entry_.wake_ns);
     }
@@ -117,7 +127,15 @@ class Drain {
   }
 
  private:
+  /// Adds the state after the previous cycle, if there is one. It was pushed before the row of this cycle.
+  void add_state_before(std::uint64_t cycle) {
+    while (state_.cycle + 1 < cycle)
+      if (!states_.try_pop(state_)) return;
+    if (state_.cycle > 0 && state_.cycle + 1 == cycle) files_.add(state_);
+  }
+
   Ring<CycleEntry>& cycles_;
+  Ring<EngineState>& states_;
   Ring<BusFrame>& frames_;
   RunFiles& files_;
   RunEvents& events_;
@@ -125,6 +143,7 @@ class Drain {
   StatusLine status_;
   double t_s_ = 0;  // time of the latest cycle
   CycleEntry entry_;
+  EngineState state_;  // latest one
   BusFrame frame_;
 };
 
@@ -140,12 +159,13 @@ class RealtimeRun {
         console_(console),
         real_(real),
         cycles_(make_cycle_ring(session)),
+        states_(make_state_ring(session, files)),
         frames_(frame_ring),
         seal_(plan.seal ? std::make_unique<Seal>() : nullptr),
-        drain_(cycles_, frames_, files, events, signals, seal_.get(), console, plan.quiet),
+        drain_(cycles_, states_, frames_, files, events, signals, seal_.get(), console, plan.quiet),
         quiet_(plan.quiet),
         watch_(events.ring()),
-        cycle_(session, plan, signals.requested(), cycles_),
+        cycle_(session, plan, signals.requested(), cycles_, files.wants_inputs() ? &states_ : nullptr),
         loop_(clock_, to_ns(session.scene().step)) {
     cycle_.cycle().quick_stop_on(signals.insisted());
     cycle_.cycle().tell(watch_);
@@ -227,6 +247,7 @@ class RealtimeRun {
   BackgroundFile& console_;
   const RigOnBuses* real_;
   Ring<CycleEntry> cycles_;
+  Ring<EngineState> states_;
   Ring<BusFrame> frames_;
   std::unique_ptr<Seal> seal_;  // null without --seal
   Drain drain_;
@@ -268,6 +289,8 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   const MonotonicClock clock;
   FastProgress progress(console, static_cast<double>(plan.num_cycles) * session.scene().step, plan.quiet);
   CycleRecord record = session.at_start();
+  EngineState state;
+  const std::uint64_t state_every = cycles_between_states(session.scene().step);
   do {
     session.start(usual_boot_limit_s);
     while (!cycle.ended()) {
@@ -280,6 +303,10 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
       result.timing.compute_ns.add(end - start);
       progress.update(record.t, end);
       files.add(record);
+      if (!files.wants_inputs() || record.cycle % state_every != 0) continue;
+      state.cycle = record.cycle;
+      take_state(session, state);
+      files.add(state);
     }
   } while (recoveries.again());
   progress.end();

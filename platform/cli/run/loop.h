@@ -128,8 +128,17 @@ inline CycleEntry entry_of(const Session& session) { return {.record = session.a
 /// Period of the real-time thread: no allocation, no lock, no system call except those of real buses.
 class RealtimeCycle {
  public:
-  RealtimeCycle(Session& session, const RunPlan& plan, const std::atomic<bool>& stop, Ring<CycleEntry>& out)
-      : cycle_(session, plan, stop), out_(out), entry_(entry_of(session)) {}
+  /// states: ring for the states of an input log; null without one.
+  RealtimeCycle(Session& session, const RunPlan& plan, const std::atomic<bool>& stop, Ring<CycleEntry>& out,
+                Ring<EngineState>* states = nullptr)
+      : session_(session),
+        state_every_(cycles_between_states(session.scene().step)),
+        cycle_(session, plan, stop),
+        out_(out),
+        states_(states),
+        entry_(entry_of(session)) {
+    if (states_) take_state(session, state_);
+  }
 
   /// Runs a period. Returns false after the last.
   bool operator()(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
@@ -138,6 +147,7 @@ class RealtimeCycle {
     if (cycle_.run(entry_.record)) {
       static_cast<void>(out_.try_push(entry_));  // the ring counts losses
       if (++steps_ == warm_up_steps) faults_before_ = loop::page_faults();
+      if (states_ && entry_.record.cycle % state_every_ == 0) push_state();
     }
     return !cycle_.ended();
   }
@@ -158,12 +168,22 @@ class RealtimeCycle {
   RunCycle& cycle() noexcept { return cycle_; }
 
  private:
+  void push_state() noexcept {
+    state_.cycle = entry_.record.cycle;
+    take_state(session_, state_);
+    static_cast<void>(states_->try_push(state_));
+  }
+
+  Session& session_;
+  std::uint64_t state_every_;  // cycles
   RunCycle cycle_;
   Ring<CycleEntry>& out_;
+  Ring<EngineState>* states_;
   CycleEntry entry_;
   std::uint64_t steps_ = 0;  // of this thread
   bool was_warm_ = false;
   PageFaults faults_before_, page_faults_;
+  EngineState state_;
 };
 
 /// A fault of the rig and its recovery.

@@ -97,7 +97,8 @@ Session::Made make_session(const RunOptions& options, SceneConfig scene, Motion 
                      .clock = []() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); },
                      .truth = nullptr};
   if (has_rig(scene)) {
-    auto link = make_link(run.buses.real, *scene.device->rig, scene.step, !options.files.record.empty());
+    auto link = make_link(run.buses.real, *scene.device->rig, scene.step,
+                          !options.files.record.empty() && !is_input_log(options.files.record));
     run.link = link.get();
     device.buses = std::move(link);
   }

@@ -80,6 +80,7 @@ ExitCode run(RunOptions options) {
     return ExitCode::usage;
   }
   Session& session = *prepared.session;
+  list_recorded(options.files, session);  // before anything else takes the size of its records
   std::optional<RigOnBuses> real;
   if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse || prepared.socket_device ||
       (options.view && !options.fast))
@@ -108,6 +109,7 @@ ExitCode run(RunOptions options) {
   }
   std::optional<Nanoseconds> wall_origin_ns;
   if (session.bus() == BusChoice::real) wall_origin_ns = log_origin_ns();
+  options.files.scene = options.scene;
   RunFiles files(options.files, session.scene(), wall_origin_ns.value_or(0));
   const std::optional<RunResult> result =
       options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
@@ -124,7 +126,9 @@ ExitCode run(RunOptions options) {
     print_lines(stderr, "note: ", {"the log ended after step " + std::to_string(result->statistics.cycles)});
   const StopSignals closing(
       Suspension::stops);  // The motors are off; files and summary are completed all the same.
-  RunReport report = make_report(options, prepared, *result, files.close());
+  const std::vector<FileLoss> losses = files.close();
+  if (!files.wrote_on_fault()) options.files.on_fault.clear();
+  RunReport report = make_report(options, prepared, *result, losses);
   report.wall_origin_ns = wall_origin_ns;
   if (!options.report.empty())
     if (const std::string why = write_report(options.report, report); !why.empty())
@@ -225,7 +229,12 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   verb.add_option("--record", options.files.record,
-                  "write a log of every frame on every bus, in candump's format")
+                  "write a log of every frame on every bus, in candump's format, or, if the name ends in "
+                  ".godo, all inputs of the engine for godobject replay")
+      ->type_name("FILE");
+  verb.add_option("--on-fault", options.files.on_fault,
+                  "keep the inputs of the last 10 s in memory, and write them at the first fault, for "
+                  "godobject replay; the name ends in .godo")
       ->type_name("FILE");
   verb.add_option("--report", options.report, "write a JSON of everything in the summary, and the histograms")
       ->type_name("FILE");

@@ -1,4 +1,5 @@
-// The cycle of the real-time thread, including buses, uses neither heap nor locks nor system calls.
+// The cycle of the real-time thread, including buses and the inputs and states of an input log, uses neither
+// heap nor locks nor system calls.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -29,6 +30,9 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
   }
   Session::Made made = make_session(*loaded.scene, motion, GetParam().second);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
+  RunFileNames names;
+  names.record = "run.godo";
+  list_recorded(names, *made.session);
   made.session->start(5);
 
   constexpr std::uint64_t num_cycles = 1000;
@@ -41,8 +45,11 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
                                       },
                                   .context = &frames});
   const std::atomic<bool> stop{false};
-  const auto cycle =
-      std::make_unique<RealtimeCycle>(*made.session, RunPlan{.num_cycles = num_cycles}, stop, cycles);
+  EngineState state;
+  take_state(*made.session, state);
+  Ring<EngineState> states(1, state);
+  const auto cycle = std::make_unique<RealtimeCycle>(*made.session, RunPlan{.num_cycles = num_cycles}, stop,
+                                                     cycles, &states);
 
   AllocationGuard guard;
   while ((*cycle)(Wake{})) continue;
@@ -50,6 +57,9 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
 
   EXPECT_EQ(cycle->statistics().cycles, num_cycles);
   EXPECT_EQ(cycles.lost(), 0u);
+  ASSERT_TRUE(states.try_pop(state));
+  EXPECT_EQ(state.cycle, num_cycles);
+  EXPECT_EQ(state.hash, made.session->engine().state_hash());
   EXPECT_EQ(made.session->rig() != nullptr, frames.lost() > 0);
 }
 
