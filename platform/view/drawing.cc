@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "core/shape/height_field.h"
@@ -79,6 +80,33 @@ void add(const BodyConfig& body, std::size_t index, Drawing& to) {
            .size = Vec3(row.radius, 0, 0)});
 }
 
+/// Returns the radius of a ball about the solid's origin that contains it, m.
+double reach_of(const Solid& solid, const Drawing& drawing) {
+  double reach = solid.kind == SolidKind::box ? solid.size.norm() : solid.size.sum();
+  if (solid.kind == SolidKind::mesh)
+    for (const Vec3& p : drawing.meshes[solid.mesh].vertices) reach = std::max(reach, p.norm());
+  return reach;
+}
+
+/// Shrinks balls of equal inertia to markers, because they show no shape and would hide those that have one.
+void bound_markers(const SceneConfig& scene, Drawing& drawing) {
+  constexpr double max_share = 0.04;  // radius of a marker, of half the scene's diagonal
+  const auto is_marker = [](const Solid& solid) {
+    return solid.role == SolidRole::inertia && solid.kind == SolidKind::sphere;
+  };
+  Eigen::AlignedBox3d box;
+  for (const Solid& solid : drawing.solids) {
+    if (solid.kind == SolidKind::plane || is_marker(solid)) continue;
+    const Pose X = solid.body ? scene.bodies[*solid.body].X_WB : Pose{};
+    const Vec3 at = X.p + X.q * solid.X.p, reach = Vec3::Constant(reach_of(solid, drawing));
+    box.extend(Eigen::AlignedBox3d(at - reach, at + reach));
+  }
+  if (box.isEmpty()) return;
+  const double max_radius = max_share * 0.5 * box.diagonal().norm();
+  for (Solid& solid : drawing.solids)
+    if (is_marker(solid)) solid.size.x() = std::min(solid.size.x(), max_radius);
+}
+
 bool about_equal(double a, double b) noexcept {
   constexpr double tolerance = 0.01;
   return std::abs(a - b) <= tolerance * std::max(a, b);
@@ -142,6 +170,7 @@ Json to_json(const JointConfig& joint, const SceneConfig& scene) {
   return {{"name", joint.name},
           {"kind", joint_kind_names().at(static_cast<std::size_t>(joint.kind) - 1)},
           {"parent", parent ? Json(*parent) : Json(nullptr)},
+          {"child", *body_named(scene, joint.child)},
           {"pose", to_json(joint.X_BP)}};
 }
 
@@ -172,6 +201,13 @@ Json carriers_of(const SceneConfig& scene) {
                            : std::ranges::find(tree.joints, handle->joint, &DeviceJoint::name);
     list.push_back(joint == tree.joints.end() ? Json(nullptr) : Json(joint - tree.joints.begin()));
   }
+  return list;
+}
+
+Json values_of(const SceneConfig& scene) {
+  Json list = Json::array();
+  for (const ViewValue& value : view_values(scene))
+    list.push_back({{"of", value.of}, {"index", value.index}, {"name", value.name}, {"unit", value.unit}});
   return list;
 }
 
@@ -217,6 +253,7 @@ Drawing drawing_of(const SceneConfig& scene) {
   Drawing drawing;
   for (const ObstacleConfig& obstacle : scene.obstacles) add(obstacle, drawing);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) add(scene.bodies[i], i, drawing);
+  bound_markers(scene, drawing);
   return drawing;
 }
 
@@ -251,6 +288,8 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
             {"about", scene.about},
             {"live", about.live},
             {"takes_pointer", about.takes_pointer},
+            {"takes_pace", about.takes_pace},
+            {"fast", about.fast},
             {"warning", about.warning},
             {"step", scene.step},
             {"gravity", to_json(scene.gravity)},
@@ -267,6 +306,9 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
             {"faults", to_json(about.faults)},
             {"rig_faults", to_json(about.rig_faults)},
             {"limits", to_json(about.limits)},
+            {"values", values_of(scene)},
+            {"terms", term_names(scene)},
+            {"device_joints", Json::array()},
             {"coordinates", Json::array()},
             {"carriers", Json::array()},
             {"buses", Json::array()}};
@@ -274,6 +316,9 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
     json["coordinates"] = coordinates_of(scene);
     json["carriers"] = carriers_of(scene);
   }
+  if (scene.device && scene.device->rig)
+    for (const DeviceJoint& joint : scene.device->rig->tree.joints)
+      json["device_joints"].push_back(joint.name);
   for (const BodyConfig& body : scene.bodies)
     json["bodies"].push_back({{"name", body.name}, {"mass", body.mass}, {"pose", to_json(body.X_WB)}});
   for (const JointConfig& joint : scene.joints) json["joints"].push_back(to_json(joint, scene));

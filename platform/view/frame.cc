@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "platform/scene/joint/joints.h"
 #include "platform/session/record.h"
 
 namespace godobject {
@@ -34,21 +35,23 @@ class FrameWriter {
 
 std::uint8_t flags_of(const ViewSample& sample) noexcept {
   const CycleRecord& record = sample.record;
-  return static_cast<std::uint8_t>((record.engaged ? frame_engaged : 0) |
-                                   (record.on_hold ? frame_on_hold : 0) |
-                                   (record.force_oscillates ? frame_oscillates : 0) |
-                                   (sample.missed_deadlines ? frame_missed_deadlines : 0));
+  return static_cast<std::uint8_t>(
+      (record.engaged ? frame_engaged : 0) | (record.on_hold ? frame_on_hold : 0) |
+      (record.force_oscillates ? frame_oscillates : 0) | (sample.paused ? frame_paused : 0) |
+      (sample.missed_deadlines ? frame_missed_deadlines : 0));
 }
 
 }  // namespace
 
 void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::span<const Vec3> vertices,
-            std::vector<std::uint8_t>& out) {
+            std::vector<std::uint8_t>& out, std::span<const std::size_t> children) {
   const CycleRecord& record = sample.record;
+  const std::size_t num_values = record.joint_q.size() + record.device_q.size() + record.drive_torque.size() +
+                                 2 * children.size() + 2 * record.term_forces.size();
   const std::size_t num_contacts = std::min(sample.num_touching, max_frame_contacts);
   out.resize(frame_header_bytes + record.bodies.size() * frame_body_bytes +
              driven.size() * frame_driven_bytes + num_contacts * frame_contact_bytes +
-             vertices.size() * frame_vertex_bytes);
+             vertices.size() * frame_vertex_bytes + 4 * num_values);
   FrameWriter to(out);
   to.put(frame_magic).put(view_version).put(static_cast<std::uint16_t>(frame_header_bytes)).put(record.cycle);
   to.put_f64(record.t).put(static_cast<std::uint8_t>(sample.phase)).put(flags_of(sample));
@@ -63,6 +66,7 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
   to.put(static_cast<std::uint32_t>(sample.counters.frames));
   to.put(static_cast<std::uint32_t>(sample.counters.incomplete_syncs));
   to.put(static_cast<std::uint32_t>(record.contacts.num_contacts)).put(record.contacts.deepest);
+  to.put(static_cast<std::uint32_t>(num_values));
   for (const BodyView& body : record.bodies) to.put(body.X_WB);
   for (const std::size_t i : driven) {
     const BodyView& body = record.bodies[i];
@@ -80,6 +84,59 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
         .put(contact.F_W);
   }
   for (const Vec3& p : vertices) to.put(p);
+  for (const std::vector<double>* list : {&record.joint_q, &record.device_q, &record.drive_torque})
+    for (const double value : *list) to.put(value);
+  for (const std::size_t child : children)
+    to.put(record.bodies[child].joint_C.f.norm()).put(record.bodies[child].joint_C.tau.norm());
+  for (const Wrench& F : record.term_forces) to.put(F.f.norm()).put(F.tau.norm());
+}
+
+ViewBodies::ViewBodies(const SceneConfig& scene) : driven(driven_bodies(scene)) {
+  for (const JointConfig& joint : scene.joints)
+    children.push_back(body_named(scene, joint.child).value_or(0));
+}
+
+std::vector<ViewValue> view_values(const SceneConfig& scene) {
+  std::vector<ViewValue> values;
+  const auto put_force = [&](std::string_view of, std::size_t index) {
+    values.push_back({of, index, "force", "N"});
+    values.push_back({of, index, "torque", "N m"});
+  };
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    for (std::size_t c = 0; c < num_coordinates(scene.joints[i].kind); ++c) {
+      const bool turns = is_turn(scene.joints[i].kind, c);
+      values.push_back({"joint", i, turns ? "angle" : "displacement", turns ? "rad" : "m"});
+    }
+  if (scene.device && scene.device->rig) {
+    const RigParams& rig = *scene.device->rig;
+    const auto slides = [&](std::size_t i) { return rig.tree.joints[i].kind != DeviceJointKind::hinge; };
+    for (std::size_t i = 0; i < rig.tree.joints.size(); ++i)
+      values.push_back({"device", i, slides(i) ? "displacement" : "angle", slides(i) ? "m" : "rad"});
+    for (const DriveParams& drive : rig.drives) {
+      const auto joint = std::ranges::find(rig.tree.joints, drive.joint, &DeviceJoint::name);
+      const auto i = static_cast<std::size_t>(joint - rig.tree.joints.begin());
+      values.push_back({"device", i, slides(i) ? "drive force" : "drive torque", slides(i) ? "N" : "N m"});
+    }
+  }
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) put_force("joint", i);
+  for (std::size_t i = 0; i < term_names(scene).size(); ++i) put_force("term", i);
+  return values;
+}
+
+bool ViewPace::may_run(Nanoseconds now, Nanoseconds step) noexcept {
+  constexpr Nanoseconds max_lag = 20'000'000;
+  const double speed = speed_.load(std::memory_order_relaxed);
+  if (speed == unlimited) return true;
+  if (!(speed > 0)) {
+    due_ = now;
+    if (steps_.load(std::memory_order_relaxed) == 0) return false;
+    steps_.fetch_sub(1, std::memory_order_relaxed);
+    return true;
+  }
+  steps_.store(0, std::memory_order_relaxed);
+  if (now + step / 2 < due_) return false;
+  due_ = std::max(due_, now - max_lag) + static_cast<Nanoseconds>(static_cast<double>(step) / speed);
+  return true;
 }
 
 ParseResult decode(std::span<const std::uint8_t> bytes, PointerMessage& out) noexcept {
@@ -111,6 +168,22 @@ std::array<std::uint8_t, pointer_bytes> encode(const PointerMessage& message) no
   to.put(pointer_magic).put(view_version).put(static_cast<std::uint16_t>(buttons)).put(message.number);
   to.put(message.target).put(message.dp_W).put(message.dphi_W);
   return bytes;
+}
+
+ParseResult decode(std::span<const std::uint8_t> bytes, PaceMessage& out) noexcept {
+  if (const ParseResult size = check_size(bytes.size(), pace_bytes); size != ParseResult::ok) return size;
+  ByteReader from(bytes);
+  std::uint32_t magic = 0;
+  std::uint16_t version = 0, steps = 0;
+  float speed = 0;
+  from.get(magic).get(version).get(steps).get(speed);
+  if (magic != pace_magic) return ParseResult::other_message;
+  const double given = static_cast<double>(speed);
+  const bool is_speed =
+      given == ViewPace::unlimited || (given >= 0 && given <= max_pace_speed);  // false for NaN
+  if (version != view_version || steps > max_pace_steps || !is_speed) return ParseResult::bad_value;
+  out = {.steps = steps, .speed = given};
+  return ParseResult::ok;
 }
 
 ParseResult decode(std::span<const std::uint8_t> bytes, JointsMessage& out) noexcept {

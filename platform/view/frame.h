@@ -6,9 +6,11 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -62,14 +64,43 @@ struct ViewSample {
   Nanoseconds wake_ns = 0;            // longest wake-up latency since the previous sample
   std::vector<ContactView> touching;  // storage for all contacts; the first num_touching are valid
   std::size_t num_touching = 0;
+  bool paused = false;            // by a page: see ViewPace
   std::vector<Vec3> net_nodes{};  // positions of the nodes of all nets
+};
+
+/// Speed of a run that a page pauses, steps or slows down. Both ends are wait-free. Only for runs without
+/// hardware.
+class ViewPace {
+ public:
+  static constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+  // For the view's thread:
+
+  /// speed: simulated time per wall time; 0: paused; unlimited: as fast as the loop runs. steps: number of
+  /// periods to run in the pause.
+  void set(double speed, std::uint32_t steps) noexcept {
+    steps_.fetch_add(steps, std::memory_order_relaxed);
+    speed_.store(speed, std::memory_order_relaxed);
+  }
+
+  // For the loop:
+
+  /// True if a period may run. now: time of the loop's clock, ns. step: period, ns.
+  bool may_run(Nanoseconds now, Nanoseconds step) noexcept;
+  bool paused() const noexcept { return !(speed_.load(std::memory_order_relaxed) > 0); }
+
+ private:
+  std::atomic<double> speed_{unlimited};
+  std::atomic<std::uint32_t> steps_{0};
+  Nanoseconds due_ = 0;  // time of the next period of a slow run
 };
 
 /// Copies the record of a period out of the loop on request. The loop's end is real-time: one atomic load
 /// without a request, else a copy without allocation.
 class ViewTap {
  public:
-  explicit ViewTap(const Session& session) : latest_(like(session)) {}
+  /// paced: true if pages may pause the run.
+  explicit ViewTap(const Session& session, bool paced = false) : latest_(like(session)), paced_(paced) {}
 
   /// For the loop, after each period. record: record of the last step so far.
   void offer(const Session& session, const CycleRecord& record) noexcept {
@@ -80,6 +111,7 @@ class ViewTap {
     sample.missed_deadlines = session.missed_deadlines();
     sample.counters = session.rig_counters();
     sample.wake_ns = std::exchange(wake_ns_, 0);
+    sample.paused = paced_ && pace_.paused();
     sample.num_touching = session.engine().contacts(sample.touching);
     session.engine().net_nodes(sample.net_nodes);
     latest_.give();
@@ -87,7 +119,11 @@ class ViewTap {
   /// For the loop, before each period.
   void woke(Nanoseconds latency) noexcept { wake_ns_ = std::max(wake_ns_, latency); }
 
-  /// For the view's thread.
+  /// For the loop: false while a page holds the run back.
+  bool may_run(Nanoseconds now, Nanoseconds step) noexcept { return !paced_ || pace_.may_run(now, step); }
+
+  /// For the view's thread: null if pages may not pause the run.
+  ViewPace* pace() noexcept { return paced_ ? &pace_ : nullptr; }
   void ask() noexcept { latest_.ask(); }
   const ViewSample* get() const noexcept { return latest_.get(); }
 
@@ -100,6 +136,8 @@ class ViewTap {
   }
 
   Latest<ViewSample> latest_;
+  ViewPace pace_;
+  bool paced_;
   Nanoseconds wake_ns_ = 0;
 };
 
@@ -107,8 +145,9 @@ class ViewTap {
 
 inline constexpr std::uint32_t frame_magic = 0x46564F47;    // "GOVF"
 inline constexpr std::uint32_t pointer_magic = 0x50564F47;  // "GOVP"
+inline constexpr std::uint32_t pace_magic = 0x43564F47;     // "GOVC"
 inline constexpr std::uint16_t view_version = 1;
-inline constexpr std::size_t frame_header_bytes = 120, frame_body_bytes = 28, frame_driven_bytes = 76,
+inline constexpr std::size_t frame_header_bytes = 124, frame_body_bytes = 28, frame_driven_bytes = 76,
                              frame_contact_bytes = 44, frame_vertex_bytes = 12, pointer_bytes = 40;
 /// Further contacts are counted and not sent.
 inline constexpr std::size_t max_frame_contacts = 4096;
@@ -118,13 +157,32 @@ enum : std::uint8_t {
   frame_engaged = 1,
   frame_on_hold = 2,
   frame_oscillates = 4,
-  frame_missed_deadlines = 8
+  frame_missed_deadlines = 8,
+  frame_paused = 16
+};
+
+/// A number of a joint or drive that frames carry after the vertices.
+struct ViewValue {
+  std::string_view of;    // "joint" of the scene, "device" (joint), "term": spring, gear or closing joint
+  std::size_t index = 0;  // among those of its kind
+  std::string name;
+  std::string_view unit;
+};
+
+/// Lists the values of a scene's frames, in their order.
+std::vector<ViewValue> view_values(const SceneConfig& scene);
+
+/// Indices of bodies that frames are made of.
+struct ViewBodies {
+  explicit ViewBodies(const SceneConfig& scene);
+  std::vector<std::size_t> driven;
+  std::vector<std::size_t> children;  // child of each joint
 };
 
 /// Encodes a frame into `out`, which it replaces. driven: indices of driven bodies. vertices: positions of
-/// all moving surfaces' vertices, in their order, world, m.
+/// all moving surfaces' vertices, in their order, world, m. children: child of each joint.
 void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::span<const Vec3> vertices,
-            std::vector<std::uint8_t>& out);
+            std::vector<std::uint8_t>& out, std::span<const std::size_t> children = {});
 
 /// Bits of a pointer's buttons.
 enum : std::uint16_t { pointer_holds = 1, pointer_moves = 2 };
@@ -159,6 +217,19 @@ struct JointsMessage {
 inline constexpr double max_joint_shift = 1;
 
 ParseResult decode(std::span<const std::uint8_t> bytes, JointsMessage& out) noexcept;
+
+inline constexpr std::size_t pace_bytes = 12;
+
+/// Pause, steps and speed of a run, by a page.
+struct PaceMessage {
+  std::uint16_t steps = 0;             // periods to run in the pause
+  double speed = ViewPace::unlimited;  // see ViewPace::set()
+};
+/// Limits of a message; others are invalid.
+inline constexpr std::uint16_t max_pace_steps = 1000;
+inline constexpr double max_pace_speed = 100;
+
+ParseResult decode(std::span<const std::uint8_t> bytes, PaceMessage& out) noexcept;
 std::array<std::uint8_t, joints_bytes> encode(const JointsMessage& message) noexcept;
 
 }  // namespace godobject

@@ -5,106 +5,19 @@ selenium, WebGL or the page itself is missing.
 
 usage: test_browser.py --program PATH
 """
-import base64
 import csv
 import os
-import shutil
 import signal
-import struct
-import sys
 import tempfile
 import threading
 import time
-import zlib
 
-from viewed_run import ViewedRun, arguments, skip, share
+from browser_page import Page, like, press, run_in_browser
+from viewed_run import ViewedRun, arguments
+from selenium.webdriver.common.action_chains import ActionChains
 
 ARGS = arguments()
-FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
-         "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=900,620").split()
 TOOL, GHOST = (0xD5, 0x45, 0x2C), (0xE0, 0x8A, 0x1E)
-SLOW = 15  # s: limit of a page drawn in software, on a busy machine
-
-try:
-    from selenium import webdriver
-    from selenium.common.exceptions import WebDriverException
-    from selenium.webdriver.chrome.options import Options
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.action_chains import ActionChains
-except ImportError:
-    skip("no selenium: apt-get install python3-selenium")
-
-
-def open_browser(profile):
-    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if not chromium or not driver:
-        skip("no browser: apt-get install chromium chromium-driver")
-    options = Options()
-    options.binary_location = chromium
-    for flag in [*FLAGS, "--user-data-dir=" + profile]:
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    try:
-        return webdriver.Chrome(service=Service(driver), options=options)
-    except WebDriverException as error:
-        return skip(f"the browser does not start: {str(error).splitlines()[0]}")
-
-
-class Page:
-    def __init__(self, browser, url):
-        self.browser = browser
-        browser.get(url)
-        self.wait("!!window.godobject", "the page's script runs")
-        self.wait("performance.getEntriesByName('picture').length", "a first picture")
-        self.first_picture_s = self.js("performance.getEntriesByName('picture')[0].startTime") / 1e3  # since the page was opened
-
-    def js(self, text):
-        return self.browser.execute_script("return " + text)
-
-    def wait(self, condition, what, patience=SLOW):
-        end = time.monotonic() + patience
-        while not self.js(f"Boolean({condition})"):
-            assert time.monotonic() < end, (what, self.js("window.godobject ? godobject.phase() : 'no script'"))
-            time.sleep(0.02)
-
-    def errors(self):
-        return [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE" and "WebSocket" not in entry["message"]
-                and "ERR_CONNECTION_REFUSED" not in entry["message"]]
-
-    def pixels(self):
-        """Returns the rows of the canvas, drawn now."""
-        data = self.js("(() => { godobject.view.render(); return document.getElementById('canvas').toDataURL('image/png'); })()")
-        return png_rows(base64.b64decode(data.split(",")[1]))
-
-
-def png_rows(data):
-    at, body, width, height, kind = 8, b"", 0, 0, 0
-    while at < len(data):
-        size, = struct.unpack_from(">I", data, at)
-        if data[at + 4:at + 8] == b"IHDR":
-            width, height, _, kind = struct.unpack_from(">IIBB", data, at + 8)
-        if data[at + 4:at + 8] == b"IDAT":
-            body += data[at + 8:at + 8 + size]
-        at += 12 + size
-    channels = {2: 3, 6: 4}[kind]
-    raw, stride, rows, above = zlib.decompress(body), channels * width, [], bytearray(channels * width)
-    for y in range(height):
-        how, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for i in range(stride):
-            a = line[i - channels] if i >= channels else 0
-            b = above[i]
-            c = above[i - channels] if i >= channels else 0
-            near = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            line[i] = (line[i] + (0, a, b, (a + b) // 2, near)[how]) & 255
-        above = line
-        rows.append([tuple(line[x:x + 3]) for x in range(0, stride, channels)])
-    return rows
-
-
-def like(pixel, colour):
-    """True for a pixel of this hue, in any light."""
-    light = max(pixel) / max(colour)
-    return light > 0.4 and all(abs(p - light * c) < 30 for p, c in zip(pixel, colour))
 
 
 def centre_x(rows, colour):
@@ -244,10 +157,6 @@ def test_the_pointer_moves_the_tool(browser, folder):
         assert not page.errors(), page.errors()
 
 
-def press(browser, kind, key):
-    browser.execute_script(f"dispatchEvent(new KeyboardEvent('{kind}', {{ key: '{key}' }}))")
-
-
 def hover(browser, page, body):
     """Moves the pointer onto the drawn body."""
     at, width, height = page.js(f"[godobject.pixel(godobject.drawnAt('{body}')), godobject.view.width, godobject.view.height]")
@@ -323,9 +232,9 @@ def test_a_recording_has_a_slider(browser, folder):
         run.end()
     with ViewedRun(ARGS.program, "view", trace, "--scene", "sim/scenes/wall.toml", folder=folder) as run:
         page = Page(browser, run.url)
-        page.js("godobject.player.playing = false, godobject.player.seek(2.5)")
+        page.js("godobject.player.playing = false, godobject.player.showAt(2.5)")
         # repeated until it is there; a longer recording is thinned out
-        page.wait("(godobject.player.seek(2.5), Math.abs(godobject.state.frame.t - 2.5) < 0.02 && godobject.target('peg')[0] > 0.09)", "the instant that was asked for")
+        page.wait("(godobject.player.showAt(2.5), Math.abs(godobject.state.frame.t - 2.5) < 0.02 && godobject.target('peg')[0] > 0.09)", "the instant that was asked for")
         assert not page.js("document.getElementById('player').hidden")
         page.js("godobject.player.toggle()")
         page.wait("godobject.state.frame.t > 2.8", "it plays")
@@ -333,23 +242,9 @@ def test_a_recording_has_a_slider(browser, folder):
 
 
 def main():
-    folder = tempfile.mkdtemp(prefix="godobject-view-")
-    with ViewedRun(ARGS.program, "view", "sim/scenes/wall.toml", folder=folder) as run:
-        if run.ask("/app.js")[0] != 200:
-            skip("the program was built without its page: ./dev setup view, then build again")
-    browser = open_browser(tempfile.mkdtemp(prefix="godobject-browser-"))
-    try:
-        browser.get("data:text/html,<canvas id=c></canvas>")
-        if not browser.execute_script("return Boolean(document.getElementById('c').getContext('webgl2'))"):
-            skip("this browser has no WebGL here")
-        for test in share((test_the_tool_is_where_the_trace_says, test_all_onlookers_see_one_run, test_the_device_is_beyond_the_wall, test_the_pointer_moves_the_tool,
-                     test_it_is_seen_what_a_press_would_drag, test_wheel_and_keys_move_joints,
-                     test_the_page_knows_when_the_run_is_gone, test_a_recording_has_a_slider)):
-            print(test.__name__)
-            sys.stdout.flush()
-            test(browser, folder)
-    finally:
-        browser.quit()
+    run_in_browser(ARGS.program, tempfile.mkdtemp(prefix="godobject-view-"), (
+        test_the_tool_is_where_the_trace_says, test_all_onlookers_see_one_run, test_the_device_is_beyond_the_wall, test_the_pointer_moves_the_tool,
+        test_it_is_seen_what_a_press_would_drag, test_wheel_and_keys_move_joints, test_the_page_knows_when_the_run_is_gone, test_a_recording_has_a_slider))
 
 
 main()

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -47,6 +48,12 @@ ViewSample random_sample(std::mt19937& random, std::size_t num_bodies, std::size
                                .n_W = vector(),
                                .F_W = vector()});
   sample.num_touching = num_contacts;
+  sample.paused = true;
+  record.joint_q = {0.5, -0.25};
+  record.device_q = {2};
+  record.drive_torque = {3};
+  record.bodies.back().joint_C = {.tau = Vec3(5, 12, 0), .f = Vec3(3, 0, 4)};
+  record.term_forces = {{.tau = Vec3::Zero(), .f = Vec3(0, 10, 0)}};
   return sample;
 }
 
@@ -77,16 +84,22 @@ TEST(Frame, HasTheDocumentedLayout) {
     const ViewSample sample = random_sample(random, num_bodies, num_contacts);
     const std::vector<std::size_t> driven{num_bodies / 2};
     const std::vector<Vec3> vertices(3, Vec3(1, 2, 3));
+    const std::vector<std::size_t> children{num_bodies - 1};
     std::vector<std::uint8_t> bytes;
-    encode(sample, driven, vertices, bytes);
-    ASSERT_EQ(bytes.size(), 120 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * vertices.size());
+    encode(sample, driven, vertices, bytes, children);
+    const std::size_t values = 124 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * vertices.size();
+    ASSERT_EQ(bytes.size(), values + 4 * 8);
+    EXPECT_EQ(at<std::uint32_t>(bytes, 120), 8u);
+    const std::array<float, 8> expected{0.5F, -0.25F, 2, 3, 5, 13, 10, 0};
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(at<float>(bytes, values + 4 * i), expected[i]) << i;
     EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "GOVF");
     EXPECT_EQ(at<std::uint16_t>(bytes, 4), 1);
-    EXPECT_EQ(at<std::uint16_t>(bytes, 6), 120);
+    EXPECT_EQ(at<std::uint16_t>(bytes, 6), 124);
     EXPECT_EQ(at<std::uint64_t>(bytes, 8), sample.record.cycle);
     EXPECT_EQ(at<double>(bytes, 16), sample.record.t);
     EXPECT_EQ(bytes[24], 2);
-    EXPECT_EQ(bytes[25], frame_engaged);
+    EXPECT_EQ(bytes[25], frame_engaged | frame_paused);
     EXPECT_EQ(at<std::uint16_t>(bytes, 26), 1);
     EXPECT_EQ(at<std::uint32_t>(bytes, 28), 1u << 3);
     EXPECT_EQ(at<std::uint32_t>(bytes, 32), bit_of("torque") | bit_of("ramp") | bit_of("drive_torque_rate"));
@@ -96,9 +109,9 @@ TEST(Frame, HasTheDocumentedLayout) {
     EXPECT_EQ(at<std::uint32_t>(bytes, 48), num_contacts);
     EXPECT_EQ(at<std::uint32_t>(bytes, 52), 3u);
     expect_vector(bytes, 80, sample.record.hand_W.f);
-    expect_vector(bytes, 120 + 28 * (num_bodies - 1), sample.record.bodies.back().X_WB.p);
+    expect_vector(bytes, 124 + 28 * (num_bodies - 1), sample.record.bodies.back().X_WB.p);
     const BodyView& tool = sample.record.bodies[driven.front()];
-    const std::size_t after_bodies = 120 + 28 * num_bodies;
+    const std::size_t after_bodies = 124 + 28 * num_bodies;
     expect_vector(bytes, after_bodies, tool.target.X_WD.p);
     expect_vector(bytes, after_bodies + 12, Vec3(tool.target.X_WD.q.vec()));
     EXPECT_EQ(at<float>(bytes, after_bodies + 24), static_cast<float>(tool.target.X_WD.q.w()));
@@ -109,7 +122,7 @@ TEST(Frame, HasTheDocumentedLayout) {
       EXPECT_EQ(at<std::uint32_t>(bytes, contact + 4), UINT32_MAX) << "the world";
       expect_vector(bytes, contact + 32, sample.touching.front().F_W);
     }
-    expect_vector(bytes, bytes.size() - 12, Vec3(1, 2, 3));
+    expect_vector(bytes, values - 12, Vec3(1, 2, 3));
   }
 }
 
@@ -164,6 +177,55 @@ TEST(Pointer, IsRefusedWhereItIsNone) {
     EXPECT_EQ(decode(encode(PointerMessage{.dphi_W = Vec3(x * 3, 0, 0)}), out), ParseResult::bad_value) << x;
   }
   EXPECT_EQ(out.number, 7u) << "untouched";
+}
+
+/// Returns the bytes of docs/view.md.
+std::vector<std::uint8_t> pace_message(std::uint16_t steps, float speed, std::uint16_t version = 1) {
+  std::vector<std::uint8_t> bytes(12);
+  std::memcpy(bytes.data(), "GOVC", 4);
+  std::memcpy(&bytes[4], &version, 2);
+  std::memcpy(&bytes[6], &steps, 2);
+  std::memcpy(&bytes[8], &speed, 4);
+  return bytes;
+}
+
+TEST(PaceMessage, IsReadOrRefused) {
+  PaceMessage read;
+  ASSERT_EQ(decode(pace_message(3, 0.25F), read), ParseResult::ok);
+  EXPECT_EQ(read.steps, 3);
+  EXPECT_EQ(read.speed, 0.25);
+  ASSERT_EQ(decode(pace_message(0, std::numeric_limits<float>::infinity()), read), ParseResult::ok);
+  EXPECT_EQ(read.speed, ViewPace::unlimited);
+  for (const float speed : {-0.1F, 101.0F, std::numeric_limits<float>::quiet_NaN()})
+    EXPECT_EQ(decode(pace_message(0, speed), read), ParseResult::bad_value) << speed;
+  EXPECT_EQ(decode(pace_message(1001, 0), read), ParseResult::bad_value);
+  EXPECT_EQ(decode(pace_message(0, 0, 2), read), ParseResult::bad_value);
+  EXPECT_EQ(decode(std::vector<std::uint8_t>(12), read), ParseResult::other_message);
+  EXPECT_EQ(decode(std::vector<std::uint8_t>(11), read), ParseResult::too_short);
+  EXPECT_EQ(read.speed, ViewPace::unlimited) << "unchanged";
+}
+
+TEST(Pace, PausesStepsAndSlows) {
+  constexpr Nanoseconds step = 1'000'000;
+  ViewPace pace;
+  EXPECT_TRUE(pace.may_run(0, step));
+  pace.set(0, 0);
+  EXPECT_TRUE(pace.paused());
+  EXPECT_FALSE(pace.may_run(step, step));
+  pace.set(0, 2);
+  EXPECT_TRUE(pace.may_run(2 * step, step));
+  EXPECT_TRUE(pace.may_run(3 * step, step));
+  EXPECT_FALSE(pace.may_run(4 * step, step));
+  pace.set(0.25, 0);
+  EXPECT_FALSE(pace.paused());
+  int runs = 0;
+  for (int i = 0; i < 400; ++i) runs += pace.may_run((5 + i) * step, step) ? 1 : 0;
+  EXPECT_NEAR(runs, 100, 1);
+  runs = 0;  // after a second without a wake-up it catches up by 20 ms at most
+  for (int i = 0; i < 100; ++i) runs += pace.may_run((1405 + i) * step, step) ? 1 : 0;
+  EXPECT_NEAR(runs, 30, 2);
+  pace.set(ViewPace::unlimited, 0);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(pace.may_run(1505 * step, step));
 }
 
 TEST(JointsMessage, IsReadBackAsItWasWritten) {

@@ -52,6 +52,22 @@ TEST(Drawing, OfTheGrasperIsItsTube) {
   EXPECT_NEAR(drawing.solids[1].size.y(), 0.175, 1e-4);
 }
 
+TEST(Drawing, BoundsBallsOfInertiaBesideSolidsWithAShape) {
+  const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/grasper.toml");
+  ASSERT_TRUE(loaded.scene.has_value());
+  SceneConfig scene = *loaded.scene;
+  const auto radius = [&] { return drawing_of(scene).solids.front().size.x(); };
+  const Solid ball = solid_of_inertia(scene.bodies[0].mass, scene.bodies[0].inertia);
+  EXPECT_NEAR(ball.size.x(), 0.0224, 1e-4) << "the trocar's, 44 mm across";
+  EXPECT_LT(radius(), 0.015);
+  EXPECT_GT(radius(), 0.004);
+  scene.bodies[0].inertia *= 0.01;
+  EXPECT_NEAR(radius(), 0.1 * ball.size.x(), 1e-9) << "small ones stay";
+  scene.bodies.resize(1);
+  scene.bodies[0].inertia *= 100;
+  EXPECT_EQ(radius(), ball.size.x()) << "alone it is all that there is";
+}
+
 TEST(Drawing, HasEveryShapeSphereAndObstacleOfTheShippedScenes) {
   for (const char* name : {"lego", "organ", "wall", "grasp", "pendulum", "chain"}) {
     const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + name + ".toml");

@@ -103,6 +103,42 @@ TEST_P(TapOf, LeavesTheLoopWithoutAllocationLockSystemCallAndFault) {
 INSTANTIATE_TEST_SUITE_P(Scenes, TapOf,
                          testing::Values("lego.toml", "organ.toml", "grasper.toml", "wall.toml"));
 
+TEST(Tap, HoldsARunBackOnlyIfItMayBePaused) {
+  const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/wall.toml");
+  ASSERT_TRUE(loaded.scene.has_value());
+  for (const bool paced : {false, true}) {
+    Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+    ASSERT_NE(made.session, nullptr);
+    LiveView view(*made.session, {.takes_pace = paced}, nullptr);
+    std::atomic<bool> stop{false};
+    Ring<CycleEntry> cycles(64, entry_of(*made.session));
+    RealtimeCycle cycle(*made.session, RunPlan{.num_cycles = 500, .tap = &view.tap()}, stop, cycles);
+    made.session->start(5);
+    for (int i = 0; i < 10; ++i) EXPECT_TRUE(cycle(Wake{}));
+    ASSERT_EQ(made.session->phase(), RunPhase::running);
+    const std::uint64_t left = cycle.cycle().left();
+    EXPECT_EQ(view.set_pace(1, {.steps = 3, .speed = 0}), paced);
+    for (int i = 0; i < 10; ++i) EXPECT_TRUE(cycle(Wake{}));
+    EXPECT_EQ(cycle.cycle().left(), left - (paced ? 3 : 10));
+    ViewBytes frame;
+    for (int i = 0; i < 100 && !frame; ++i) {
+      frame = view.frame();
+      EXPECT_TRUE(cycle(Wake{}));
+    }
+    ASSERT_TRUE(frame) << "a paused run is shown";
+    EXPECT_EQ((*frame)[25] & frame_paused, paced ? frame_paused : 0);
+    view.leave(2);
+    const std::uint64_t later = cycle.cycle().left();
+    EXPECT_TRUE(cycle(Wake{}));
+    EXPECT_EQ(cycle.cycle().left(), later - (paced ? 0 : 1)) << "another page leaves";
+    if (paced) stop = true;
+    EXPECT_TRUE(cycle(Wake{}));
+    EXPECT_NE(made.session->phase(), paced ? RunPhase::running : RunPhase::ended)
+        << "a stop ends a paused run";
+    view.leave(1);
+  }
+}
+
 TEST(Tap, ChangesNothingOfTheRun) {
   const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/organ.toml");
   ASSERT_TRUE(loaded.scene.has_value());

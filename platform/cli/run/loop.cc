@@ -23,6 +23,8 @@ constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
 constexpr std::size_t state_ring = 4;  // there is a state each second, or more often
 constexpr std::chrono::milliseconds drain_interval{10};
+// Shorter than a step, for runs that a page slows down.
+constexpr std::chrono::microseconds paused_interval{200};
 // Text kept for a blocked terminal or pipe, and the time to wait for it at the end.
 constexpr std::size_t console_bytes = 1 << 16;
 constexpr std::chrono::milliseconds console_patience{500};
@@ -295,6 +297,10 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
     session.start(usual_boot_limit_s);
     while (!cycle.ended()) {
       notices.look(record.t);
+      if (!cycle.may_run(record)) {
+        std::this_thread::sleep_for(paused_interval);
+        continue;
+      }
       const Nanoseconds start = clock.now();
       const bool stepped = cycle.run(record);
       events.drain();

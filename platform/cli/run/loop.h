@@ -70,6 +70,15 @@ class RunCycle {
     if (--left_ == 0 || (t_fault_ns_ && rearm_ == Rearm::automatic)) session_.stop();
     return true;
   }
+  /// Returns true if the next period may run. Otherwise a page holds the run back, and the view receives
+  /// `record` again.
+  bool may_run(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
+    if (!tap_ || session_.phase() != RunPhase::running || stop_.load(std::memory_order_relaxed) ||
+        tap_->may_run(MonotonicClock{}.now(), to_ns(session_.scene().step)))
+      return true;
+    tap_->offer(session_, record);
+    return false;
+  }
   /// Counts missed deadlines; called before each period with a deadline. Periods before the first step do not
   /// count, because booting has no deadline.
   void watch(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
@@ -144,6 +153,7 @@ class RealtimeCycle {
   bool operator()(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
     entry_.wake_ns = wake.latency;
     cycle_.watch(wake);
+    if (!cycle_.may_run(entry_.record)) return true;
     if (cycle_.run(entry_.record)) {
       static_cast<void>(out_.try_push(entry_));  // the ring counts losses
       if (++steps_ == warm_up_steps) faults_before_ = loop::page_faults();

@@ -185,6 +185,12 @@ ExitCode view(const ViewOptions& options) {
   return options.picture.empty() ? serve(options, *recording) : leave_picture(options, *recording);
 }
 
+/// True if pages may pause the run: its only device is the page or simulated, and no one expects wall time.
+bool may_pause(const RunOptions& options, const PreparedRun& prepared) {
+  return prepared.session->bus() != BusChoice::real && options.trackers.empty() && !prepared.spacemouse &&
+         !prepared.socket_device && (options.view_input || !options.realtime);
+}
+
 }  // namespace
 
 void add_words(ViewAbout& about) {
@@ -203,6 +209,8 @@ std::string view_warning(const std::string& address) {
 std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
   ViewAbout about{.title = options.scene,
                   .takes_pointer = options.view_input,
+                  .takes_pace = may_pause(options, prepared),
+                  .fast = !options.realtime,
                   .warning = view_warning(options.view_address)};
   add_words(about);
   for (const BusLoad& load : prepared.bus_loads)

@@ -1,30 +1,79 @@
-// Plays a recording: a slider, and frames at the speed of time.
+// Plays a recording: a slider, and frames at the speed of time. Pauses and steps a live run: the run itself
+// if it takes a pace, else the picture alone.
+import { PAUSED, encodePace } from "./wire.js";
+
 export class Player {
-  constructor(show, mark) {
-    Object.assign(this, { show, mark, frames: [], t: 0, playing: false });
+  // show(frame), mark(t): draw a frame, and its time in the curves. send(buffer): to the run.
+  constructor(show, mark, send) {
+    Object.assign(this, { show, mark, send, frames: [], t: 0, playing: false, about: null, frozen: false, latest: null });
     const by = (id) => document.getElementById(id);
-    Object.assign(this, { bar: by("player"), button: by("play"), slider: by("slider"), time: by("time"), speed: by("speed") });
+    Object.assign(this, { bar: by("player"), button: by("play"), slider: by("slider"), time: by("time"), speed: by("speed"), resetButton: by("reset") });
     this.button.onclick = () => this.toggle();
-    this.slider.oninput = () => { this.playing = false; this.seek(Number(this.slider.value)); };
+    by("step").onclick = () => this.step(1);
+    this.resetButton.onclick = () => this.reset();
+    this.speed.onchange = () => { if (this.takesPace && !this.paused) this.pace(this.liveSpeed, 0); };
+    this.slider.oninput = () => { this.playing = false; this.showAt(Number(this.slider.value)); };
   }
 
+  setScene(about) {
+    Object.assign(this, { about, frozen: false, latest: null, frames: [], kept: [], playing: false });
+    this.takesPace = about.live && about.takes_pace;
+    this.bar.hidden = !about.live;
+    this.slider.hidden = this.resetButton.hidden = about.live;
+    this.speed.hidden = about.live && !about.takes_pace;
+    const speeds = [["0.01x", 0.01], ["0.1x", 0.1], ["0.25x", 0.25], ["1x", 1], ...about.live ? [] : [["2x", 2], ["5x", 5]], ...about.fast ? [["no limit", Infinity]] : []];
+    this.speed.replaceChildren(...speeds.map(([text, value]) => new Option(text, String(value))));
+    this.speed.value = about.fast ? "Infinity" : "1";
+  }
   load(frames) {
     if (!frames.length) return;
     this.frames = frames;
     this.bar.hidden = frames.length < 2;
     Object.assign(this.slider, { min: frames[0].t, max: frames.at(-1).t });
-    this.seek(frames[0].t);
+    this.showAt(frames[0].t);
     this.playing = frames.length > 1;
   }
+
+  // Takes a frame of a live run.
+  arrived(frame) {
+    this.latest = frame;
+    if (!this.frozen) this.show(frame);
+    this.time.textContent = `${frame.t.toFixed(3)} s`;
+  }
+  get isLive() { return Boolean(this.about?.live); }
+  get paused() { return this.isLive ? this.takesPace ? Boolean(this.latest && this.latest.flags & PAUSED) : this.frozen : !this.playing; }
+  get atEnd() { return !this.isLive && this.frames.length > 1 && this.t >= this.frames.at(-1).t; }
+  // a run in wall time goes at 1x without a limit of its own
+  get liveSpeed() { return !this.about.fast && this.speed.value === "1" ? Infinity : Number(this.speed.value); }
+  pace(speed, steps) { this.send(encodePace({ speed, steps })); }
+
   toggle() {
+    if (this.takesPace) return this.pace(this.paused ? this.liveSpeed : 0, 0);
+    if (this.isLive) {
+      this.frozen = !this.frozen;
+      if (!this.frozen && this.latest) this.show(this.latest);
+      return;
+    }
     if (this.frames.length < 2) return;
-    if (!this.playing && this.t >= this.frames.at(-1).t) this.seek(this.frames[0].t);
+    if (!this.playing && this.atEnd) this.showAt(this.frames[0].t);
     this.playing = !this.playing;
   }
+  // Steps by frames of a recording, or by periods of a run. A frozen picture takes the run's latest frame.
   step(frames) {
+    if (this.takesPace) return frames > 0 && this.pace(0, frames);
+    if (this.isLive) {
+      this.frozen = true;
+      if (this.latest && frames > 0) this.show(this.latest);
+      return;
+    }
     if (!this.frames.length) return;
     this.playing = false;
-    this.seek(this.frames[Math.min(Math.max(this.index(this.t) + frames, 0), this.frames.length - 1)].t);
+    this.showAt(this.frames[Math.min(Math.max(this.index(this.t) + frames, 0), this.frames.length - 1)].t);
+  }
+  reset() {
+    if (this.isLive || !this.frames.length) return;
+    this.playing = false;
+    this.showAt(this.frames[0].t);
   }
 
   // Returns the index of the last frame that is not after t.
@@ -37,7 +86,7 @@ export class Player {
     }
     return low;
   }
-  seek(t) {
+  showAt(t) {
     this.t = t;
     this.show(this.frames[this.index(t)]);
     this.mark(t);
@@ -47,10 +96,11 @@ export class Player {
   tick(now) {
     const dt = (now - (this.before ?? now)) / 1000;
     this.before = now;
-    this.button.textContent = this.playing ? "pause" : "play";
+    const text = this.paused ? "play" : "pause";
+    if (this.button.textContent !== text) this.button.textContent = text;
     if (!this.playing) return;
     const end = this.frames.at(-1).t;
-    this.seek(Math.min(this.t + dt * Number(this.speed.value), end));
+    this.showAt(Math.min(this.t + dt * Number(this.speed.value), end));
     this.playing = this.t < end;
   }
 }

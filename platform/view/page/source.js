@@ -1,7 +1,7 @@
 // Source of frames: the stream of a run, or a complete recording.
 import { decodeFrame } from "./wire.js";
 
-const RETRY_MS = 400;
+const RETRY_MS = 400, RUN_ENDED = "the run has ended";  // the server's reason for closing
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const address = (path) => `${path}?token=${encodeURIComponent(token)}`;
 
@@ -22,7 +22,8 @@ async function refusal() {
   return answer && !answer.ok ? (await answer.text()).trim() : "";
 }
 
-// Connects, and reconnects after a loss. on: { scene(json), frame(frame), lost(why), recording(frames) }.
+// Connects, and reconnects after a loss. on: { scene(json), frame(frame), lost(why), ended(),
+// recording(frames) }.
 // Returns send(buffer).
 export function connect(on) {
   let socket = null;
@@ -40,8 +41,9 @@ export function connect(on) {
     };
     socket.onclose = async ({ reason }) => {
       if (scene && !scene.live) return;
+      if (scene && reason === RUN_ENDED) on.ended();
       const refused = scene ? "" : await refusal();
-      on.lost(refused || `${reason || "the connection to the run is lost"}: trying again`);
+      if (!scene || reason !== RUN_ENDED) on.lost(refused || `${reason || "the connection to the run is lost"}: trying again`);
       if (!refused) setTimeout(open, RETRY_MS);
     };
   };

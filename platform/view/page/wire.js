@@ -1,9 +1,9 @@
 // Binary frames and pointer messages: docs/view.md.
 
-const FRAME = 0x46564f47, POINTER = 0x50564f47, VERSION = 1, JOINTS_VERSION = 2, MAX_JOINTS = 16;
+const FRAME = 0x46564f47, POINTER = 0x50564f47, PACE = 0x43564f47, VERSION = 1, JOINTS_VERSION = 2, MAX_JOINTS = 16;
 const BODY = 28, DRIVEN = 76, CONTACT = 44, VERTEX = 12;
 export const PHASES = ["off", "booting", "running", "running down", "closing", "ended"];
-export const ENGAGED = 1, ON_HOLD = 2, OSCILLATES = 4, MISSED_DEADLINES = 8;
+export const ENGAGED = 1, ON_HOLD = 2, OSCILLATES = 4, MISSED_DEADLINES = 8, PAUSED = 16;
 export const NONE = 0xffffffff;
 
 // Decodes the frame at this offset of a buffer; `end` is the offset of the next. Poses are views of the
@@ -11,7 +11,7 @@ export const NONE = 0xffffffff;
 export function decodeFrame(buffer, at = 0) {
   const data = new DataView(buffer, at), u32 = (i) => data.getUint32(i, true), f32 = (i) => data.getFloat32(i, true);
   if (u32(0) !== FRAME || data.getUint16(4, true) !== VERSION) throw new Error("this is no frame of version 1: reload the page");
-  const numBodies = u32(44), numDriven = data.getUint16(26, true), numContacts = u32(48), numVertices = u32(52);
+  const numBodies = u32(44), numDriven = data.getUint16(26, true), numContacts = u32(48), numVertices = u32(52), numValues = u32(120);
   let next = at + data.getUint16(6, true);
   const floats = (count) => { const part = new Float32Array(buffer, next, count); next += 4 * count; return part; };
   const frame = {
@@ -27,7 +27,9 @@ export function decodeFrame(buffer, at = 0) {
   frame.contactWords = new Uint32Array(buffer, next, numContacts * CONTACT / 4);
   frame.contacts = floats(numContacts * CONTACT / 4);
   frame.vertices = floats(numVertices * VERTEX / 4);
+  frame.values = floats(numValues);
   frame.end = next;
+  frame.bytes = next - at;
   return frame;
 }
 
@@ -56,5 +58,15 @@ export function encodeJoints({ number, holds, shift }) {
   data.setUint32(8, number, true);
   data.setUint32(12, shift.length, true);
   shift.forEach((x, i) => data.setFloat32(16 + 4 * i, x, true));
+  return data.buffer;
+}
+
+// speed: simulated time per wall time; 0: paused, Infinity: unlimited. steps: periods to run in the pause.
+export function encodePace({ speed, steps }) {
+  const data = new DataView(new ArrayBuffer(12));
+  data.setUint32(0, PACE, true);
+  data.setUint16(4, VERSION, true);
+  data.setUint16(6, steps, true);
+  data.setFloat32(8, speed, true);
   return data.buffer;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string_view>
 
@@ -46,6 +47,8 @@ struct Columns {
   std::optional<std::size_t> first_target, held, penetration, contacts, energy;
   std::vector<std::size_t> contact;  // first column of each body's contact wrench
   std::vector<std::size_t> body;     // body of that wrench
+  // first columns of the wrenches of joints and terms, of coordinates and of commands; absent in old traces
+  std::optional<std::size_t> wrenches, joint_q, device_q, drives;
 };
 
 Columns columns_of(const std::vector<std::string>& names, const SceneConfig& scene,
@@ -62,12 +65,26 @@ Columns columns_of(const std::vector<std::string>& names, const SceneConfig& sce
       .contacts = find("contacts"),
       .energy = find("energy"),
       .contact = {},
-      .body = {}};
+      .body = {},
+      .wrenches = {},
+      .joint_q = {},
+      .device_q = {},
+      .drives = {}};
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     if (const auto column = find(scene.bodies[i].name + ".contact.fx")) {
       columns.contact.push_back(*column);
       columns.body.push_back(i);
     }
+  const std::vector<std::string> terms = term_names(scene);
+  if (!scene.joints.empty() || !terms.empty())
+    columns.wrenches = find((scene.joints.empty() ? terms.front() : scene.joints.front().name) + ".fx");
+  for (const JointConfig& joint : scene.joints)
+    for (const char* q : {".q", ".q1"})
+      if (!columns.joint_q) columns.joint_q = find(joint.name + q);
+  if (!scene.device || !scene.device->rig) return columns;
+  const RigParams& rig = *scene.device->rig;
+  columns.device_q = find("device." + rig.tree.joints.front().name + ".q");
+  if (!rig.drives.empty()) columns.drives = find("drive." + rig.drives.front().joint + ".torque");
   return columns;
 }
 
@@ -81,13 +98,43 @@ void add_contact(std::size_t body, const Wrench& F_W, ViewSample& sample) {
   sample.num_touching = sample.touching.size();
 }
 
-ViewSample sample_of(std::span<const double> numbers, const std::vector<std::size_t>& driven,
-                     std::size_t num_bodies, const Columns& columns) {
+/// Reads the numbers of joints and drives. like: has storage for them.
+void read_values(Row& row, const ViewBodies& bodies, const Columns& columns, CycleRecord& record) {
+  if (columns.wrenches) {
+    row.skip_to(*columns.wrenches);
+    for (const std::size_t child : bodies.children) record.bodies[child].joint_C = row.wrench();
+    for (Wrench& F : record.term_forces) F = row.wrench();
+  }
+  const auto read = [&](const std::optional<std::size_t>& first, std::vector<double>& to) {
+    if (first) row.skip_to(*first);
+    for (double& value : to) value = first ? row.number() : std::numeric_limits<double>::quiet_NaN();
+  };
+  read(columns.joint_q, record.joint_q);
+  read(columns.device_q, record.device_q);
+  read(columns.drives, record.drive_torque);
+}
+
+/// Returns a record with storage for all numbers of the scene.
+CycleRecord blank_record(const SceneConfig& scene) {
+  const TraceDeviceColumns device = device_columns(scene);
+  CycleRecord record;
+  record.bodies.resize(scene.bodies.size());
+  record.term_forces.resize(term_names(scene).size());
+  record.joint_q.resize(device.num_coordinates);
+  record.device_q.resize(device.num_device_joints);
+  record.drive_torque.resize(device.num_drives);
+  return record;
+}
+
+/// blank: see blank_record().
+ViewSample sample_of(std::span<const double> numbers, const ViewBodies& indices, const CycleRecord& blank,
+                     const Columns& columns) {
+  const std::vector<std::size_t>& driven = indices.driven;
+  const std::size_t num_bodies = blank.bodies.size();
   Row row(numbers);
-  ViewSample sample{.record = {}, .phase = RunPhase::running, .counters = {}, .touching = {}};
+  ViewSample sample{.record = blank, .phase = RunPhase::running, .counters = {}, .touching = {}};
   CycleRecord& record = sample.record;
   record.t = row.number();
-  record.bodies.resize(num_bodies);
   for (BodyView& body : record.bodies) {
     body.X_WB = row.pose();
     body.V_WB.v = row.vector();
@@ -120,6 +167,7 @@ ViewSample sample_of(std::span<const double> numbers, const std::vector<std::siz
   record.fault = Fault(row.bits());
   record.limited = Limited(row.bits());
   record.rig_faults = RigFault(row.bits());
+  read_values(row, indices, columns, record);
   return sample;
 }
 
@@ -144,9 +192,9 @@ std::string why_not_trace(const std::vector<std::string>& names, const SceneConf
 class TraceReader {
  public:
   TraceReader(const SceneConfig& scene, const std::vector<std::string>& names)
-      : num_bodies_(scene.bodies.size()),
-        driven_(driven_bodies(scene)),
-        columns_(columns_of(names, scene, driven_)),
+      : blank_(blank_record(scene)),
+        indices_(scene),
+        columns_(columns_of(names, scene, indices_.driven)),
         numbers_(names.size()) {}
 
   /// Returns false if the line is no row of the trace.
@@ -157,7 +205,7 @@ class TraceReader {
     constexpr double rounding = 1e-9;
     if (!samples.empty() && t < due_ - rounding) return true;
     if (!read_numbers(line, numbers_)) return false;
-    samples.push_back(sample_of(numbers_, driven_, num_bodies_, columns_));
+    samples.push_back(sample_of(numbers_, indices_, blank_, columns_));
     due_ = t + period_;
     if (samples.size() == max_recorded) thin_out();
     return true;
@@ -173,8 +221,8 @@ class TraceReader {
     period_ *= 2;
   }
 
-  std::size_t num_bodies_;
-  std::vector<std::size_t> driven_;
+  CycleRecord blank_;
+  ViewBodies indices_;
   Columns columns_;
   std::vector<double> numbers_;
   double due_ = 0, period_ = 1 / recorded_rate_hz;
@@ -184,8 +232,7 @@ class TraceReader {
 
 Recording recording_of(const SceneConfig& scene) {
   Recording recording{.scene = scene, .samples = {}};
-  ViewSample sample{.record = {}, .phase = RunPhase::off, .counters = {}, .touching = {}};
-  sample.record.bodies.resize(scene.bodies.size());
+  ViewSample sample{.record = blank_record(scene), .phase = RunPhase::off, .counters = {}, .touching = {}};
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     sample.record.bodies[i].X_WB = sample.record.bodies[i].target.X_WD = scene.bodies[i].X_WB;
   recording.samples.push_back(std::move(sample));
@@ -227,7 +274,7 @@ std::vector<Vec3> nodes_of(const Recording& recording, const SceneNets& nets, co
 
 RecordedView::RecordedView(const Recording& recording, const ViewAbout& about)
     : scene_(scene_json(recording.scene, about)) {
-  const std::vector<std::size_t> driven = driven_bodies(recording.scene);
+  const ViewBodies bodies(recording.scene);
   auto frames = std::make_shared<std::vector<std::uint8_t>>();
   std::vector<std::uint8_t> frame;
   const SceneNets nets = scene_nets(recording.scene);
@@ -235,7 +282,7 @@ RecordedView::RecordedView(const Recording& recording, const ViewAbout& about)
   const std::size_t stride = 1 + bytes_of_nodes / max_recorded_net_bytes;
   for (std::size_t i = 0; i < recording.samples.size(); i += stride) {
     const ViewSample& sample = recording.samples[i];
-    encode(sample, driven, nodes_of(recording, nets, sample), frame);
+    encode(sample, bodies.driven, nodes_of(recording, nets, sample), frame, bodies.children);
     frames->insert(frames->end(), frame.begin(), frame.end());
   }
   frames_ = std::move(frames);

@@ -47,13 +47,17 @@ void Stream::take(Error error) {
   } else {
     PointerMessage message;
     JointsMessage joints;
+    PaceMessage pace;
     const bool of_joints = socket_.got_binary() && decode(bytes, joints) == ParseResult::ok;
-    if (!of_joints && (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok)) {
+    const bool of_pace = !of_joints && socket_.got_binary() && decode(bytes, pace) == ParseResult::ok;
+    if (!of_joints && !of_pace && (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok)) {
       hub_.log("a client was closed: it sent no valid pointer message");
       return close(websocket::close_code::policy_error, "this is no valid pointer message");
     }
     ViewSource& source = hub_.source();
-    if (!(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
+    if (of_pace && !source.set_pace(id_, pace))
+      hub_.log("a pause was ignored: it needs --view-input or --fast, and a run without hardware");
+    else if (!of_pace && !(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
       hub_.log("a pointer message was ignored: --view-input is not given, or another client moves the tool");
   }
   buffer_.consume(buffer_.size());

@@ -43,7 +43,9 @@ class ViewSource {
   /// Applies a page's displacements of joints. Returns false if pages move no joints here, or another page
   /// moves them.
   virtual bool move_joints(std::uint64_t /*client*/, const JointsMessage& /*message*/) { return false; }
-  /// Releases the bodies or joints of a client that is gone.
+  /// Sets the speed of the run. Returns false if pages may not set it.
+  virtual bool set_pace(std::uint64_t /*client*/, const PaceMessage& /*message*/) { return false; }
+  /// Releases the bodies, joints or speed of a client that is gone.
   virtual void leave(std::uint64_t /*client*/) {}
 };
 
