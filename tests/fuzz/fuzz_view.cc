@@ -31,6 +31,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           again.num_joints != joints.num_joints || again.holds != joints.holds)
         std::abort();
     }
+    PaceMessage pace;
+    if (decode(std::span(data, size), pace) == ParseResult::ok)
+      if (pace.steps > max_pace_steps ||
+          !((pace.speed >= 0 && pace.speed <= max_pace_speed) || pace.speed == ViewPace::unlimited))
+        std::abort();
   }
   fuzz::Input in(data, size);
   const auto text = [&] {

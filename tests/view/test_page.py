@@ -222,6 +222,52 @@ def test_what_coincides_leaves_no_stripes_and_what_hides_the_tool_shows_it(brows
         assert not page.errors(), page.errors()
 
 
+# Mean colours of the parts of a picture of the wall at 2.5 s, row by row.
+WALL = """
+f4f5f7 f3f4f6 f2f3f4 f4f5f7 f4f5f7 dedfdf aaa7a2 cecdcb ededee f4f5f7 f4f5f7 f4f5f7
+f4f5f7 d4d3d2 9e9c98 f4f5f7 f4f5f7 d5d4d3 837163 7c776b 858076 a19f98 d4d4d4 f4f5f7
+f3f4f6 e1e2e2 827f7b eff1f4 eef0f3 c8c4ca 8e4337 7d766a 7a766c 706c65 c2c2c1 f4f5f7
+eeeff2 edeff2 77756f eef0f3 dce6f0 d7d5d7 835e4e 7c766b 7a766c 6d6a63 d8d9db f0f1f4
+eff1f3 f0f1f4 8b8985 e7e8eb f0f1f4 f0f1f4 c4c3c2 7b786e 7a766c 706d67 eef0f2 f0f1f4
+f1f2f5 f1f2f4 f0f1f4 f1f2f5 f1f2f5 f1f2f5 f1f2f5 c9c9c8 7c786f 878481 f1f2f5 f1f2f5
+f2f3f5 f1f2f5 f1f3f5 f1f3f5 f1f3f5 f1f3f5 f2f3f5 f2f3f5 cfcfcf cccccc f1f3f5 f1f3f5
+f2f3f6 f2f3f5 f2f3f5 f2f3f5 f2f3f5 f2f3f5 f2f3f5 f2f3f5 f2f3f6 f2f3f6 f2f3f6 f2f3f5
+"""
+
+
+def parts(rows, columns=12, lines=8):
+    """Returns the mean colour of each part of a picture."""
+    width, height, means = len(rows[0]) // columns, len(rows) // lines, []
+    for j in range(lines):
+        for i in range(columns):
+            pixels = [pixel for row in rows[j * height:(j + 1) * height] for pixel in row[i * width:(i + 1) * width]]
+            means.append(tuple(sum(pixel[k] for pixel in pixels) / len(pixels) for k in range(3)))
+    return means
+
+
+def apart(a, b):
+    """Returns the largest and the mean distance of the parts of two pictures, in steps of a colour."""
+    distances = [max(abs(x - y) for x, y in zip(p, q)) for p, q in zip(a, b)]
+    return max(distances), sum(distances) / len(distances)
+
+
+def test_the_picture_is_the_known_one(browser, folder):
+    trace = record("wall", folder, "--bus", "direct")
+    known = [tuple(int(word[i:i + 2], 16) for i in (0, 2, 4)) for word in WALL.split()]
+    with view(trace, "wall", folder) as run:
+        page = Page(browser, run.url)
+        browser.execute_script("Object.assign(document.getElementById('stage').style, { flex: 'none', width: '480px', height: '320px' })")
+        seek(page, 2.5)
+        page.js("(godobject.view.setTheme('light'), godobject.view.lookAtAll(), godobject.view.update(godobject.state.frame))")
+        drawn = parts(page.pixels())
+        if "GODOBJECT_PRINT_PICTURES" in os.environ:
+            print("\n".join(" ".join("".join(f"{round(x):02x}" for x in drawn[12 * j + i]) for i in range(12)) for j in range(8)))
+        largest, mean = apart(drawn, known)
+        assert largest < 20 and mean < 3, (largest, mean)  # edges may be drawn by other rules
+        page.js("godobject.view.bodies[0].visible = false")
+        assert apart(parts(page.pixels()), known)[0] > 40, "without its tool it is another one"
+
+
 def test_names_frames_and_the_scale_of_forces(browser, folder):
     with ViewedRun(ARGS.program, "view", "sim/scenes/grasper.toml", folder=folder) as run:
         page = Page(browser, run.url)
@@ -297,7 +343,7 @@ def main():
     run_in_browser(ARGS.program, tempfile.mkdtemp(prefix="godobject-view-"), (
         test_a_click_shows_a_body_with_its_curves, test_a_run_without_hardware_pauses_steps_and_slows,
         test_a_run_in_wall_time_goes_on_under_a_paused_picture, test_the_first_picture_shows_all,
-        test_what_coincides_leaves_no_stripes_and_what_hides_the_tool_shows_it, test_names_frames_and_the_scale_of_forces,
+        test_what_coincides_leaves_no_stripes_and_what_hides_the_tool_shows_it, test_the_picture_is_the_known_one, test_names_frames_and_the_scale_of_forces,
         test_pictures_films_and_a_contact_sheet_are_files, test_the_ground_has_shadows))
 
 

@@ -1,7 +1,7 @@
 // The scene in three dimensions: solid bodies at their simulated pose, wireframes at the pose of the device.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { boundsOf, fit } from "./camera.js";
+import { fit, pointsOf } from "./camera.js";
 import { ContactArrows, scaleBar } from "./forces.js";
 import { Ghost } from "./ghost.js";
 import { Marks, addGround, aimSun, axes } from "./marks.js";
@@ -12,6 +12,7 @@ export const COLOURS = {
   tool: 0xd5452c, body: 0x7e9fc7, obstacle: 0xa9a294, ghost: 0xe08a1e, unloaded: 0x2c9c5a, loaded: 0xd5261c,
   force: 0xb01fb0, contact: 0x1f7fd0, sphere: 0x333a44, lit: 0x404020, selected: 0x30304a,
 };
+const BAR_PIXELS = 48;  // height of the player's bar
 const MANY = 150, HIDDEN_OPACITY = 0.45;
 const THEMES = { light: { back: 0xf4f5f7, grid: 0xc4c9d2 }, dark: { back: 0x14181f, grid: 0x3a4350 } };
 
@@ -60,7 +61,7 @@ export class View {
     this.grips = about.takes_hold;
     this.lit = this.selected = this.followed = null;
     this.geometries = new Map();
-    this.bounds = boundsOf(about, about.bodies.map((body) => body.pose));
+    this.bounds = new THREE.Box3().setFromPoints(pointsOf(about, about.bodies.map((body) => body.pose)));
     this.extent = Math.max(0.01, 0.5 * this.bounds.getSize(new THREE.Vector3()).length());
     this.driven = about.driven;
     this.bodies = about.bodies.map((body, i) => this.addBody(body, i));
@@ -183,8 +184,7 @@ export class View {
   // are now.
   lookAtAll() {
     const poses = this.frame && this.frame.numBodies === this.bodies.length ? this.bodies.map((_, i) => bodyPose(this.frame, i)) : this.about.bodies.map((body) => body.pose);
-    this.bounds = boundsOf(this.about, poses);
-    this.unfitted = true;
+    this.unfitted = pointsOf(this.about, poses);
     this.followed = null;
   }
 
@@ -259,8 +259,8 @@ export class View {
       this.camera.updateProjectionMatrix();
     }
     if (this.unfitted) {
-      this.unfitted = false;
-      fit(this.camera, this.controls, this.bounds, this.extent);
+      fit(this.camera, this.controls, this.unfitted, this.bounds.getCenter(new THREE.Vector3()), this.extent, BAR_PIXELS / Math.max(height, 4 * BAR_PIXELS));
+      this.unfitted = null;
     }
     this.controls.update();
     this.marks?.update(this.height, this.camera.fov, (point) => this.project(point));
