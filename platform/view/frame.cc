@@ -51,7 +51,7 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
   const std::size_t num_contacts = std::min(sample.num_touching, max_frame_contacts);
   out.resize(frame_header_bytes + record.bodies.size() * frame_body_bytes +
              driven.size() * frame_driven_bytes + num_contacts * frame_contact_bytes +
-             vertices.size() * frame_vertex_bytes + 4 * num_values);
+             vertices.size() * frame_vertex_bytes + num_values * frame_value_bytes);
   FrameWriter to(out);
   to.put(frame_magic).put(view_version).put(static_cast<std::uint16_t>(frame_header_bytes)).put(record.cycle);
   to.put_f64(record.t).put(static_cast<std::uint8_t>(sample.phase)).put(flags_of(sample));

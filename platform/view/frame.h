@@ -148,7 +148,8 @@ inline constexpr std::uint32_t pointer_magic = 0x50564F47;  // "GOVP"
 inline constexpr std::uint32_t pace_magic = 0x43564F47;     // "GOVC"
 inline constexpr std::uint16_t view_version = 1;
 inline constexpr std::size_t frame_header_bytes = 124, frame_body_bytes = 28, frame_driven_bytes = 76,
-                             frame_contact_bytes = 44, frame_vertex_bytes = 12, pointer_bytes = 40;
+                             frame_contact_bytes = 44, frame_vertex_bytes = 12, frame_value_bytes = 4,
+                             pointer_bytes = 40;
 /// Further contacts are counted and not sent.
 inline constexpr std::size_t max_frame_contacts = 4096;
 

@@ -146,6 +146,9 @@ def test_a_run_in_wall_time_goes_on_under_a_paused_picture(browser, folder):
         shown, latest = page.js("[godobject.state.frame.cycle, godobject.player.latest.cycle]")
         page.wait(f"godobject.player.latest.cycle > {latest + 100}", "the run goes on")
         assert page.js("godobject.state.frame.cycle") == shown, "the picture stands"
+        for key, is_there in (("ArrowLeft", "<"), ("ArrowRight", "===")):
+            press(browser, "keydown", key)
+            page.wait(f"godobject.state.frame.cycle {is_there} {shown}", "earlier frames of the run, and back")
         stream = run.stream()
         stream.scene()
         stream.send(struct.pack("<IHHf", 0x43564F47, 1, 0, 0.0))

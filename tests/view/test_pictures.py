@@ -108,7 +108,16 @@ def main():
     assert peg["max"][0] < 0.082, "the peg ends at the wall"
 
     godobject("view", "sim/scenes/organ.toml", "--picture", path("organ.png"))
-    centre(image(path("organ.png"))[0], WALL)
+    rows, _ = image(path("organ.png"))
+    centre(rows, WALL)
+    seen = [(x, y) for y, row in enumerate(rows) for x, pixel in enumerate(row) if max(abs(a - b) for a, b in zip(pixel, rows[0][0])) > 8]
+    left, right, top, bottom = (edge(xy[k] for xy in seen) for k in (0, 1) for edge in (min, max))
+    assert 0 < left and right < 959 and 0 < top and bottom < 599, ("all is in the picture", left, right, top, bottom)
+    assert bottom - top > 500, ("and fills it", top, bottom)
+
+    godobject("view", "sim/scenes/grasper.toml", "--picture", path("grasper.png"))
+    drawn = [pixel for row in image(path("grasper.png"))[0] for pixel in row if pixel[0] - pixel[2] > 60]
+    assert sum(like(pixel, TOOL, 0.3) for pixel in drawn) > 0.98 * len(drawn) > 1000, "no stripes of the device on the tool"
 
     godobject("run", "sim/scenes/grasper.toml", "--fast", "--quiet", "--duration", "2", "--record", path("bus.log"))
     godobject("view", path("bus.log"), "--scene", "sim/scenes/grasper.toml", "--picture", path("bus.png"), "--time", "1.5")

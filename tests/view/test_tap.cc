@@ -109,7 +109,9 @@ TEST(Tap, HoldsARunBackOnlyIfItMayBePaused) {
   for (const bool paced : {false, true}) {
     Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
     ASSERT_NE(made.session, nullptr);
-    LiveView view(*made.session, {.takes_pace = paced}, nullptr);
+    ViewAbout about;
+    about.takes_pace = paced;
+    LiveView view(*made.session, about, nullptr);
     std::atomic<bool> stop{false};
     Ring<CycleEntry> cycles(64, entry_of(*made.session));
     RealtimeCycle cycle(*made.session, RunPlan{.num_cycles = 500, .tap = &view.tap()}, stop, cycles);

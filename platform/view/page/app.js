@@ -51,7 +51,7 @@ const state = { about: null, frame: null, arrived: 0, lost: "", ended: false, st
 // Made before the pointer, which keeps presses for itself.
 const inspector = new Inspector(view, by("canvas"), by("inspector"));
 const pointer = new Pointer(view, by("canvas"), (buffer) => send(buffer));
-const player = new Player((frame) => show(frame), (t) => { strips.mark(t); inspector.strips?.mark(t); }, (buffer) => send(buffer));
+const player = new Player((frame) => show(frame), (t) => { strips.mark(t); inspector.strips?.mark(t); }, (buffer) => send(buffer, true), () => inspector.history);
 const camera = new Camera(view, player, () => `${state.about.name}-${state.frame?.t.toFixed(2) ?? 0}s`);
 
 function show(frame) {

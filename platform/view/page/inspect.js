@@ -103,6 +103,7 @@ export class Inspector {
   add(frame, whole = false) {
     const isOfAnotherRun = this.history.length && frame.t < this.history.at(-1).t;
     if (isOfAnotherRun) Object.assign(this, { history: [], bytes: 0 });
+    if (frame.t === this.history.at(-1)?.t) return;  // of a paused run
     this.history.push(frame);
     this.bytes += frame.bytes;
     while (!whole && (frame.t - this.history[0].t > HISTORY_S || this.bytes > HISTORY_BYTES)) this.bytes -= this.history.shift().bytes;

@@ -3,9 +3,10 @@
 import { PAUSED, encodePace } from "./wire.js";
 
 export class Player {
-  // show(frame), mark(t): draw a frame, and its time in the curves. send(buffer): to the run.
-  constructor(show, mark, send) {
-    Object.assign(this, { show, mark, send, frames: [], t: 0, playing: false, about: null, frozen: false, latest: null });
+  // show(frame), mark(t): draw a frame, and its time in the curves. send(buffer): to the run. history(): the
+  // latest frames of a run.
+  constructor(show, mark, send, history) {
+    Object.assign(this, { show, mark, send, history, frames: [], t: 0, playing: false, about: null, frozen: false, latest: null });
     const by = (id) => document.getElementById(id);
     Object.assign(this, { bar: by("player"), button: by("play"), slider: by("slider"), time: by("time"), speed: by("speed"), resetButton: by("reset") });
     this.button.onclick = () => this.toggle();
@@ -16,7 +17,7 @@ export class Player {
   }
 
   setScene(about) {
-    Object.assign(this, { about, frozen: false, latest: null, frames: [], kept: [], playing: false });
+    Object.assign(this, { about, frozen: false, latest: null, shown: null, frames: [], playing: false });
     this.takesPace = about.live && about.takes_pace;
     this.bar.hidden = !about.live;
     this.slider.hidden = this.resetButton.hidden = about.live;
@@ -37,7 +38,7 @@ export class Player {
   // Takes a frame of a live run.
   arrived(frame) {
     this.latest = frame;
-    if (!this.frozen) this.show(frame);
+    if (!this.frozen) this.show(this.shown = frame);
     this.time.textContent = `${frame.t.toFixed(3)} s`;
   }
   get isLive() { return Boolean(this.about?.live); }
@@ -48,27 +49,37 @@ export class Player {
   pace(speed, steps) { this.send(encodePace({ speed, steps })); }
 
   toggle() {
-    if (this.takesPace) return this.pace(this.paused ? this.liveSpeed : 0, 0);
-    if (this.isLive) {
-      this.frozen = !this.frozen;
-      if (!this.frozen && this.latest) this.show(this.latest);
-      return;
-    }
+    if (this.takesPace) this.pace(this.paused ? this.liveSpeed : 0, 0);
+    if (this.isLive) return this.freeze(!this.takesPace && !this.frozen);
     if (this.frames.length < 2) return;
     if (!this.playing && this.atEnd) this.showAt(this.frames[0].t);
     this.playing = !this.playing;
   }
-  // Steps by frames of a recording, or by periods of a run. A frozen picture takes the run's latest frame.
+  // on: true to keep the picture while frames arrive
+  freeze(on) {
+    this.frozen = on;
+    if (on || !this.latest) return;
+    this.show(this.shown = this.latest);
+    this.mark(null);
+  }
+  // Steps by frames of a recording, or by periods of a run; and through the latest frames of a run.
   step(frames) {
-    if (this.takesPace) return frames > 0 && this.pace(0, frames);
-    if (this.isLive) {
-      this.frozen = true;
-      if (this.latest && frames > 0) this.show(this.latest);
-      return;
-    }
+    if (this.isLive) return this.stepLive(frames);
     if (!this.frames.length) return;
     this.playing = false;
     this.showAt(this.frames[Math.min(Math.max(this.index(this.t) + frames, 0), this.frames.length - 1)].t);
+  }
+  stepLive(frames) {
+    const list = this.history(), last = list.length - 1, at = list.findLastIndex((frame) => frame.t <= (this.shown?.t ?? Infinity));
+    if (this.takesPace && frames > 0 && (!this.frozen || at === last)) {
+      this.freeze(false);
+      return this.pace(0, frames);
+    }
+    if (this.takesPace && !this.paused) this.pace(0, 0);
+    this.freeze(true);
+    if (last < 0) return;
+    this.show(this.shown = list[Math.min(Math.max(at + frames, 0), last)]);
+    this.mark(this.shown.t);
   }
   reset() {
     if (this.isLive || !this.frames.length) return;

@@ -24,7 +24,7 @@ async function refusal() {
 
 // Connects, and reconnects after a loss. on: { scene(json), frame(frame), lost(why), ended(),
 // recording(frames) }.
-// Returns send(buffer).
+// Returns send(buffer, always); without always a message is left out while others wait.
 export function connect(on) {
   let socket = null;
   const open = () => {
@@ -48,5 +48,7 @@ export function connect(on) {
     };
   };
   open();
-  return (buffer) => { if (socket?.readyState === WebSocket.OPEN && socket.bufferedAmount === 0) socket.send(buffer); };
+  return (buffer, always = false) => {
+    if (socket?.readyState === WebSocket.OPEN && (always || socket.bufferedAmount === 0)) socket.send(buffer);
+  };
 }

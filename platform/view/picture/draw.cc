@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "platform/view/picture/picture.h"
 
 namespace godobject {
@@ -21,14 +23,12 @@ class Camera {
  public:
   Camera(const Picture& picture, double width, double height)
       : half_width_(0.5 * width), half_height_(0.5 * height) {
-    // camera position from the centre, as in the page
-    const Vec3 eye = Vec3(-0.38, -0.8, 0.46) * 2.6 * picture.extent;
-    eye_ = picture.centre + eye;
-    back_ = eye.normalized();
+    back_ = Vec3(-0.38, -0.8, 0.46).normalized();
     right_ = Vec3::UnitZ().cross(back_).normalized();
     up_ = back_.cross(right_);
     scale_ = half_height_ / std::tan(0.5 * field_of_view);
     near_ = 0.05 * picture.extent;
+    fit(picture);
     light_ = (back_ + 0.5 * up_ + 0.35 * right_).normalized();
   }
   double depth(const Vec3& p) const { return (eye_ - p).dot(back_); }
@@ -43,6 +43,27 @@ class Camera {
   double shade(const Vec3& n) const { return 0.5 + 0.5 * std::abs(n.dot(light_)); }
 
  private:
+  /// Sets the eye as in the page: the outline fills the picture, and is in its middle.
+  void fit(const Picture& picture) {
+    constexpr double margin = 1.05;
+    constexpr int num_rounds = 3;  // the middle depends on the distance
+    const double wide = margin * scale_ / half_width_, high = margin * scale_ / half_height_;
+    Vec3 target = picture.centre;
+    for (int round = 0; round < num_rounds; ++round) {
+      double distance = 2 * near_;
+      for (const Vec3& p : picture.outline) {
+        const Vec3 d = p - target;
+        const double across = std::max(wide * std::abs(d.dot(right_)), high * std::abs(d.dot(up_)));
+        distance = std::max(distance, d.dot(back_) + across);
+      }
+      eye_ = target + distance * back_;
+      Eigen::AlignedBox2d seen;
+      for (const Vec3& p : picture.outline)
+        seen.extend(Eigen::Vector2d((p - target).dot(right_), (p - target).dot(up_)) / depth(p));
+      target += distance * (seen.center().x() * right_ + seen.center().y() * up_);
+    }
+  }
+
   double half_width_, half_height_, scale_ = 1, near_ = 0;
   Vec3 eye_, back_, right_, up_, light_;
 };

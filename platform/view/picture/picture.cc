@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
+
+#include <Eigen/Geometry>
 
 #include "core/device/holding.h"
 #include "platform/view/drawing.h"
@@ -24,29 +25,32 @@ Colour between(const Colour& a, const Colour& b, double s) {
   return c;
 }
 
-/// Sets centre and extent as in the page: the bounds of all finite solids at the start of the scene.
+/// Sets outline, centre and extent as in the page: points around all finite solids at the start of the scene.
 void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& picture) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
-  const auto add = [&](const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  };
+  std::vector<Vec3>& points = picture.outline;
   for (const Solid& solid : drawing.solids) {
     if (solid.kind == SolidKind::plane || solid.role == SolidRole::contact) continue;
     const Pose X = solid.body ? composed(scene.bodies[*solid.body].X_WB, solid.X) : solid.X;
-    const bool is_long = solid.kind == SolidKind::capsule || solid.kind == SolidKind::cylinder;
-    const double reach = solid.kind == SolidKind::box ? solid.size.norm() : solid.size.x();
-    const Vec3 axis = X.q * Vec3(0, 0, is_long ? solid.size.y() : 0);
-    for (const double side : {-1.0, 1.0}) add(X.p + side * (axis + Vec3::Constant(reach / std::sqrt(3.0))));
-    for (const double side : {-1.0, 1.0}) add(X.p + side * (axis - Vec3::Constant(reach / std::sqrt(3.0))));
-    if (solid.kind == SolidKind::mesh)
-      for (const Vec3& p : drawing.meshes[solid.mesh].vertices) add(X.p + X.q * p);
+    if (solid.kind == SolidKind::mesh) {
+      for (const Vec3& p : drawing.meshes[solid.mesh].vertices) points.push_back(X.p + X.q * p);
+      continue;
+    }
+    const double r = solid.size.x(), l = solid.size.y();
+    Vec3 half(r, r, r);
+    if (solid.kind == SolidKind::box) half = solid.size;
+    if (solid.kind == SolidKind::capsule) half.z() += l;
+    if (solid.kind == SolidKind::cylinder) half.z() = l;
+    for (const double x : {-1.0, 1.0})
+      for (const double y : {-1.0, 1.0})
+        for (const double z : {-1.0, 1.0}) points.push_back(X.p + X.q * half.cwiseProduct(Vec3(x, y, z)));
   }
-  for (const Vec3& p : nodes_at_start(scene)) add(p);
-  if (low.x() > high.x()) low = high = Vec3::Zero();
+  for (const Vec3& p : nodes_at_start(scene)) points.push_back(p);
+  if (points.empty()) points.push_back(Vec3::Zero());
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
   constexpr double least = 0.01;
-  picture.centre = 0.5 * (low + high);
-  picture.extent = std::max(least, 0.5 * (high - low).norm());
+  picture.centre = box.center();
+  picture.extent = std::max(least, 0.5 * box.diagonal().norm());
 }
 
 MeshData placed(MeshData mesh, const Pose& X) {
@@ -109,11 +113,13 @@ class PictureBuilder {
 
   void add_device(std::size_t body) {
     const BodyView& view = record_.bodies[body];
-    const double apart = (view.target.X_WD.p - view.X_WB.p).norm() / (0.02 * picture_.extent);
+    // as in the page, nothing is drawn over a tool in the same place
+    const double apart = (view.target.X_WD.p - view.X_WB.p).norm() / (0.02 * picture_.extent) +
+                         between(view.target.X_WD, view.X_WB).rad / 0.1;
     PictureWires wires{.name = scene_.bodies[body].name + ", device",
                        .lines = {},
                        .colour = ghost_colour,
-                       .opacity = std::min(1.0, 0.35 + 0.65 * apart)};
+                       .opacity = std::min(1.0, apart)};
     for (const Solid& solid : drawing_.solids) {
       if (solid.body != body || solid.role == SolidRole::contact) continue;
       const Pose X = composed(view.target.X_WD, solid.X);

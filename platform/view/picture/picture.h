@@ -48,13 +48,14 @@ struct PictureWires {
 struct Picture {
   std::vector<PictureMesh> meshes;
   std::vector<PictureWires> wires;
+  std::vector<Vec3> outline{};  // points that the camera shows, m
   Vec3 centre = Vec3::Zero();
   double extent = 1;  // half the diagonal of the scene's bounds, m
 };
 
 /// Makes the picture of a sample. Bodies are solid at their simulated pose. At the pose of the device they
-/// are wireframes, with the coupling and the force to the hand. centre and extent are those of the scene at
-/// its start.
+/// are wireframes, with the coupling and the force to the hand. outline, centre and extent are those of the
+/// scene at its start.
 Picture picture_of(const Recording& recording, const Drawing& drawing, const ViewSample& sample);
 
 /// Draws the picture with the page's initial camera. width, height: pixels.

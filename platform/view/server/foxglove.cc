@@ -248,7 +248,8 @@ void FoxgloveClient::show_entities(std::span<const std::uint8_t> frame, std::uin
   if (solids_due_)
     for (const Json& solid : scene_->about["solids"])
       if (solid["role"] != "contact") update["entities"].push_back(scene_->entity(time, number++, solid));
-  std::size_t left = 0;  // bytes from a net's first vertex to the end of the frame
+  // bytes from a net's first vertex to the end of the frame, where the values are
+  std::size_t left = scene_->about["values"].size() * frame_value_bytes;
   for (const Json& surface : surfaces)
     left += surface["num_vertices"].get<std::size_t>() * frame_vertex_bytes;
   if (left > frame.size()) return;
