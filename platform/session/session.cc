@@ -86,7 +86,7 @@ void Session::observe(CycleRecord& record) const noexcept {
   record.net_stretch = engine_->net_stretch();
   observe_device(record);
   if (lists_inputs_) {
-    record.samples = samples_;
+    loop::copy(record.samples, samples_);
     record.passed_s = passed_s_;
     record.state_hash = engine_->state_hash();
   }

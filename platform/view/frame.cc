@@ -123,7 +123,7 @@ std::vector<ViewValue> view_values(const SceneConfig& scene) {
   return values;
 }
 
-bool ViewPace::may_run(Nanoseconds now, Nanoseconds step) noexcept {
+bool ViewPace::may_run(Nanoseconds now, Nanoseconds step) noexcept GODOBJECT_NONBLOCKING {
   constexpr Nanoseconds max_lag = 20'000'000;
   const double speed = speed_.load(std::memory_order_relaxed);
   if (speed == unlimited) return true;

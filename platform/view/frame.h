@@ -86,7 +86,7 @@ class ViewPace {
   // For the loop:
 
   /// True if a period may run. now: time of the loop's clock, ns. step: period, ns.
-  bool may_run(Nanoseconds now, Nanoseconds step) noexcept;
+  bool may_run(Nanoseconds now, Nanoseconds step) noexcept GODOBJECT_NONBLOCKING;
   bool paused() const noexcept { return !(speed_.load(std::memory_order_relaxed) > 0); }
 
  private:

@@ -102,8 +102,8 @@ void list_recorded(const RunFileNames& names, Session& session) noexcept {
   if (names.records_inputs()) session.list_inputs();
 }
 
-void take_state(const Session& session, EngineState& state) {
-  state.bytes.resize(session.engine().snapshot_bytes());
+void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_NONBLOCKING {
+  loop::resize(state.bytes, session.engine().snapshot_bytes());
   session.engine().save(state.bytes);
   state.hash = session.engine().state_hash();
 }

@@ -79,7 +79,7 @@ struct FileLoss {
 void list_recorded(const RunFileNames& names, Session& session) noexcept;
 
 /// Copies the state of the session's engine, but for the cycle. Real-time after the first call.
-void take_state(const Session& session, EngineState& state);
+void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_NONBLOCKING;
 
 /// Input log in a file, as its chunks come.
 class InputLogOnDisk {

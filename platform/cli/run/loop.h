@@ -178,7 +178,7 @@ class RealtimeCycle {
   RunCycle& cycle() noexcept { return cycle_; }
 
  private:
-  void push_state() noexcept {
+  void push_state() noexcept GODOBJECT_NONBLOCKING {
     state_.cycle = entry_.record.cycle;
     take_state(session_, state_);
     static_cast<void>(states_->try_push(state_));
