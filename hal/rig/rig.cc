@@ -59,6 +59,7 @@ Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses
                        .joint = joint_named(drive.joint),
                        .every_nth_sync = drive.status_every_nth_sync,
                        .delay = delay_within(params, cycle_s, drive.status_every_nth_sync),
+                       .motor_per_joint = drive.sign * drive.joint_per_motor_rad,
                        .max_slip = allowed_slip(params, drive)});
   }
   add_buttons();
@@ -193,6 +194,8 @@ bool Rig::measured_anew(std::size_t joint, const JointSample& sample) noexcept {
   Measured& measured = measured_[joint];
   measured.reads_ago = sample.t_ns > measured.t_ns ? 0 : measured.reads_ago + 1;
   measured.t_ns = sample.t_ns;
+  measured.q = sample.q;
+  measured.valid = sample.valid;
   return measured.reads_ago < measured.every_nth_sync;
 }
 
@@ -206,9 +209,10 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   if (state_ != RigState::armed) tau.setZero();
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
-    const DriveCommand planned = drive.drive.plan(tau(drive.joint), goal(), now);
+    const DriveCommand planned = plan(drive, tau(drive.joint), now);
     const bool sent = !planned.out.frame || send(nodes_[drive.node].bus, *planned.out.frame);
     if (sent) drive.drive.sent(planned, now);
+    drive.passivity.sent(drive.drive.commanded_torque_Nm() / drive.motor_per_joint);
     const auto bit = [i](bool on) { return (on ? 1u : 0u) << i; };
     report.torque_limited |= bit(planned.torque_limited);
     report.rate_limited |= bit(planned.rate_limited);
@@ -216,6 +220,20 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
     report.not_sent |= bit(!sent || drive.request_refused);
   }
   return report;
+}
+
+/// Plans the command of a drive. Its passivity controller acts while torque follows command() and restarts
+/// otherwise, because a torque that runs down is no feedback.
+DriveCommand Rig::plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept {
+  const Measured& measured = measured_[static_cast<std::size_t>(drive.joint)];
+  if (state_ != RigState::armed) drive.passivity.reset();
+  else tau_joint = drive.passivity.limit(tau_joint, measured.q, measured.valid && measured.reads_ago == 0);
+  return drive.drive.plan(tau_joint, goal(), now);
+}
+
+void Rig::control_passivity(std::span<const PassivityParams> controllers) noexcept {
+  assert(controllers.size() == drives_.size());
+  for (std::size_t i = 0; i < drives_.size(); ++i) drives_[i].passivity = PassivityController(controllers[i]);
 }
 
 DriveGoal Rig::goal() const noexcept {

@@ -22,6 +22,7 @@
 #include "hal/joint/sync_attribution.h"
 #include "hal/rig/fault.h"
 #include "hal/rig/node.h"
+#include "hal/rig/passivity_controller.h"
 #include "hal/rig/validate.h"
 
 namespace godobject {
@@ -87,6 +88,10 @@ class Rig {
   Rig(const RigParams&&, double, std::span<CanBus* const>) = delete;  // a temporary would not outlive it
   Rig(Rig&&) noexcept = default;
 
+  /// Gives each drive a passivity controller, which changes the torque at its joint before the drive's limits.
+  /// controllers: one per drive, in the order of RigParams::drives; none by default.
+  void control_passivity(std::span<const PassivityParams> controllers) noexcept;
+
   /// off -> booting: sends NMT start to all nodes.
   void start(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
   /// ready -> armed: command() reaches the motors from now on. Returns false in any other state.
@@ -150,6 +155,8 @@ class Rig {
   double commanded_torque_Nm(std::size_t drive) const noexcept {
     return drives_[drive].drive.commanded_torque_Nm();
   }
+  /// Returns the energy that the drive's passivity controller still has to dissipate, J; 0 without one.
+  double generated_energy_J(std::size_t drive) const noexcept { return drives_[drive].passivity.energy_J(); }
 
  private:
   struct Bus {
@@ -180,6 +187,7 @@ class Rig {
     std::uint64_t every_nth_sync;
     AnswerDelay delay;
     std::uint64_t answered_sync = 0;
+    double motor_per_joint = 1;    // torque of the motor for a torque at the joint
     bool request_refused = false;  // true if the bus refused the request of this cycle
     double max_slip = 0;           // rad or m; 0: not compared with an encoder
     double apart = 0;              // the joint's encoder minus its position, as before ready; rad or m
@@ -190,6 +198,7 @@ class Rig {
     bool was_powered = false;                  // its power stage was on
     std::uint32_t error_code_before = 0;       // error code at that time
     std::optional<Nanoseconds> t_failed_ns{};  // since then it has been in fault or without power
+    PassivityController passivity{};
   };
   struct ButtonOnBus {
     ButtonParams params;
@@ -259,6 +268,7 @@ class Rig {
   bool nodes_were_up() const noexcept { return reached() >= RigState::enabling; }
   bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
 
+  DriveCommand plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept;
   DriveGoal goal() const noexcept;
   DeviceButtons buttons() const noexcept;
 
@@ -274,6 +284,8 @@ class Rig {
     std::uint64_t every_nth_sync = 1;
     Nanoseconds t_ns = 0;         // time of the sample
     std::uint64_t reads_ago = 0;  // number of reads since it was new
+    double q = 0;                 // coordinate, rad or m
+    bool valid = false;
   };
   std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
   std::array<Measured, max_joints> measured_{};

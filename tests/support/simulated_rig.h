@@ -95,11 +95,19 @@ class SimulatedRig {
 
   /// Runs one cycle: SYNC, answers, read, command. Joints follow q_ref; with haptics they are pulled to it.
   void cycle(std::span<const Wrench> F_hand_W = {}) {
+    begin_cycle();
+    end_cycle(F_hand_W);
+  }
+  /// Runs the cycle up to the sample.
+  void begin_cycle() {
     rig->sync(now);
     advance_to(now + deadline_ns);
     rig->receive(now);
     complete = rig->complete();
     sample = rig->read(now);
+  }
+  /// Commands the wrenches and runs the rest of the cycle.
+  void end_cycle(std::span<const Wrench> F_hand_W) {
     report = rig->command(F_hand_W, now);
     advance_to(cycle_start_ns += cycle_ns);
   }
