@@ -47,12 +47,14 @@ class PassivityController {
   /// Shortest time in which the softened torque converges. Convergence is an integral term, which is stable
   /// if much slower than soft_stiffness * soft_damping / (m K).
   static constexpr double relaxation_s = 1, relaxation_margin = 5;
-  static constexpr double release_s = 1;  // time constant of the controller's fading
+  static constexpr double forgotten_s = 3;  // time constant of generated energy
+  static constexpr double release_s = 1;    // time constant of the controller's fading
   static constexpr double velocity_weight = 0.4;
 
   explicit PassivityController(const PassivityParams& params = {}) noexcept
       : params_(params),
         soft_stiffness_(stiffness_share * params.inertia / square(reach_s())),
+        soft_share_(params.stiffness > soft_stiffness_ ? soft_stiffness_ / params.stiffness : 1),
         soft_damping_(std::min(damping_share * params.inertia / reach_s(), 2 * params.deficit())),
         relaxed_per_period_(params.period_s /
                             std::max(relaxation_s, relaxation_margin * params.stiffness * params.inertia /
@@ -112,6 +114,7 @@ class PassivityController {
     const double dq = q - q_;
     const double time_s = periods_ * params_.period_s;
     const double acted = work_rate_ / periods_;
+    energy_J_ *= std::max(0.0, 1 - time_s / forgotten_s);
     energy_J_ += (acted - 0.5 * (wanted + wanted_at_q_)) * dq - params_.damping * dq * dq / time_s;
     energy_J_ = std::max(energy_J_, 0.0);
     q_dot_ += velocity_weight * (dq / time_s - q_dot_);
@@ -123,16 +126,18 @@ class PassivityController {
   double soften(double wanted) noexcept {
     const bool unloads = std::abs(wanted) < std::abs(wanted_);
     const double fast = std::max(0.0, moved_ - slow_counts * params_.resolution);
-    const double most = soft_stiffness_ * (moved_ + (unloads ? (unloading - 1) * fast : 0));
+    const double change = wanted - wanted_;
+    const double most = std::max(soft_stiffness_ * (moved_ + (unloads ? (unloading - 1) * fast : 0)),
+                                 soft_share_ * std::abs(change));
     moved_ = 0;
-    soft_ += std::clamp(wanted - wanted_, -most, most);
+    soft_ += std::clamp(change, -most, most);
     soft_ += (wanted - soft_) * relaxed_per_period_;
     if (soft_ * wanted <= 0) soft_ = 0;
     return soft_;
   }
 
   PassivityParams params_;
-  double soft_stiffness_, soft_damping_, relaxed_per_period_;
+  double soft_stiffness_, soft_share_, soft_damping_, relaxed_per_period_;
   bool has_sample_ = false;
   double q_ = 0, q_dot_ = 0, moved_ = 0;
   double wanted_ = 0, wanted_at_q_ = 0;  // in the last period, at the last new sample

@@ -27,17 +27,24 @@ std::vector<std::string> RigDevice::complaints(const SceneConfig& scene) {
   return errors;
 }
 
-RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link)
+RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link,
+                     std::vector<PassivityParams> controllers)
     : params_(*scene.device->rig),
       cycle_s_(scene.step),
       joints_(scene),
       link_(std::move(link)),
+      controllers_(std::move(controllers)),
       swings_(params_.drives, cycle_s_),
       gather_ns_(gather_time(cycle_s_)) {
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[*target]);
+  make_rig();
+}
+
+void RigDevice::make_rig() {
   rig_.emplace(params_, cycle_s_, link_->buses());
+  rig_->control_passivity(controllers_);
 }
 
 void RigDevice::boot(Period& period) noexcept {
@@ -132,7 +139,7 @@ bool RigDevice::commands_torque() const noexcept {
 
 void RigDevice::restart() {
   earlier_rigs_ = counters();
-  rig_.emplace(params_, cycle_s_, link_->buses());
+  make_rig();
   swings_.reset();
 }
 

@@ -48,7 +48,9 @@ class RigDevice final : public HandDevice {
   /// Allocates; of the other functions only restart() does. complaints() must be empty.
   /// scene: constant and outliving the device. link: its buses may still be closed, but must be open before
   /// the first period.
-  RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link);
+  /// controllers: of the drives' passivity, see Rig::control_passivity().
+  RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link,
+            std::vector<PassivityParams> controllers);
 
   std::optional<double> boot_limit_s() const noexcept override { return 0; }  // its own is shorter
   void boot(Period& period) noexcept override;
@@ -81,6 +83,7 @@ class RigDevice final : public HandDevice {
 
  private:
   DeviceSample exchange(Period& period, bool starting) noexcept;
+  void make_rig();
   CommandReport send(Period& period, std::span<const Wrench> F_hand_W) noexcept;
   void take_in(Period& period) noexcept;
   bool commands_torque() const noexcept;
@@ -90,6 +93,7 @@ class RigDevice final : public HandDevice {
   std::vector<std::size_t> bodies_;  // one per handle
   PrescribedSamples joints_;
   std::unique_ptr<RigLink> link_;
+  std::vector<PassivityParams> controllers_;
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;
   DriveSwings swings_;

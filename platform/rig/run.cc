@@ -8,6 +8,7 @@
 #include "platform/rt/setup.h"
 #include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
+#include "platform/session/passivity.h"
 
 namespace godobject {
 namespace {
@@ -106,7 +107,8 @@ RigRun::RigRun(const std::string& scene_file, std::span<const std::string> addre
   if (!errors_.empty()) return;
   auto link = make_link(where_, rig, scene_.step, false);
   link_ = link.get();
-  device_ = std::make_unique<RigDevice>(scene_, std::move(link));
+  const JointVector at_zero = JointVector::Zero(static_cast<Eigen::Index>(rig.tree.joints.size()));
+  device_ = std::make_unique<RigDevice>(scene_, std::move(link), passivity_controllers(scene_, at_zero));
   errors_ = open_buses(*link_, where_, rig);
 }
 

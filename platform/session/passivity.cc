@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "hal/drive/link.h"
 #include "hal/joint/inverse_kinematics.h"
 
 namespace godobject {
@@ -179,6 +180,31 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
   result.worst_direction =
       largest_share(scene.step * (0.5 + delay) * K(driven, driven) + Matrix(B(driven, driven)), damping);
   return result;
+}
+
+std::vector<PassivityParams> passivity_controllers(const SceneConfig& scene, const JointVector& q) {
+  if (!scene.device || !scene.device->rig) return {};
+  const RigParams& rig = *scene.device->rig;
+  // an inactive one without feedback
+  std::vector<PassivityParams> controllers(rig.drives.size());
+  const Passivity margins = passivity(scene, q);
+  for (std::size_t i = 0; i < margins.joints.size(); ++i) {
+    const SampledAxis& axis = margins.joints[i].axis;
+    const DriveParams& drive = rig.drives[i];
+    const auto encoder = std::ranges::find(rig.encoders, drive.joint, &EncoderParams::joint);
+    const Calibration& sensor = encoder == rig.encoders.end() ? drive.calibration : encoder->calibration;
+    controllers[i] = {.inertia = axis.inertia,
+                      .damping = axis.damping,
+                      .needed = axis.needed(),
+                      .stiffness = axis.K,
+                      .resolution = 1 / sensor.counts_per_unit,
+                      .period_s = axis.period_s,
+                      .delay = axis.delay,
+                      // without SYNC a command acts within its period
+                      .acts_after = bus_protocol(drive.protocol).canopen ? 1 : 0,
+                      .energy_J = scene.device->controls_passivity ? PassivityParams{}.energy_J : 0};
+  }
+  return controllers;
 }
 
 JointVector joints_at_start(const SceneConfig& scene, const Motion& motion) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/joint/kinematic_tree.h"
+#include "hal/rig/passivity_controller.h"
 #include "platform/motion/motion.h"
 #include "platform/scene/scene.h"
 
@@ -54,6 +55,10 @@ struct Passivity {
 /// Computes the margins of the gains that the scene's handles display, at the joint coordinates q. The rig
 /// must be valid.
 Passivity passivity(const SceneConfig& scene, const JointVector& q);
+
+/// Returns the parameters of the drives' passivity controllers, in the order of RigParams::drives, with the
+/// margins at q. A controller with a margin is idle. Empty without a rig.
+std::vector<PassivityParams> passivity_controllers(const SceneConfig& scene, const JointVector& q);
 
 /// Returns the device's joint coordinates at the start of the motion. Zero if the pose cannot be inverted,
 /// empty without a rig.

@@ -80,6 +80,7 @@ struct CycleRecord {
   std::vector<double> device_q;  // coordinates of the device's joints; NaN while unknown
   // commanded torque, N m, or force, N, at the joint, one per RigParams::drives
   std::vector<double> drive_torque;
+  std::vector<double> drive_energy;  // generated energy of each drive's axis, J: Rig::generated_energy_J()
   // Inputs of the engine, and the hash of its state after the step: see Session::list_inputs().
   std::vector<BodySample> samples;  // one per body; empty unless the session lists them
   double passed_s = 0;              // time passed to the engine before the step: Engine::pass_time()

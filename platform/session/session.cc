@@ -123,6 +123,8 @@ void Session::observe_device(CycleRecord& record) const noexcept {
   }
   for (std::size_t i = 0; i < record.drive_torque.size(); ++i)
     record.drive_torque[i] = rig_ ? rig_->rig().commanded_torque_Nm(i) : 0;
+  for (std::size_t i = 0; i < record.drive_energy.size(); ++i)
+    record.drive_energy[i] = rig_ ? rig_->rig().generated_energy_J(i) : 0;
 }
 
 /// Returns the driven bodies; for a device that grips bodies only the held one.
@@ -212,6 +214,7 @@ CycleRecord Session::at_start() const {
   if (scene_.device && scene_.device->rig) {
     record.device_q.resize(scene_.device->rig->tree.joints.size());
     record.drive_torque.resize(scene_.device->rig->drives.size());
+    record.drive_energy.resize(scene_.device->rig->drives.size());
   }
   if (lists_contacts_) record.touching.resize(engine_->composition().all_contacts());
   if (lists_net_nodes_) record.net_nodes.resize(engine_->nets().nodes.size());

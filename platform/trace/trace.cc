@@ -1,5 +1,7 @@
 #include "platform/trace/trace.h"
 
+#include <algorithm>
+
 #include "platform/scene/contact/params.h"
 #include "platform/scene/joint/joints.h"
 
@@ -37,7 +39,7 @@ void add_device_columns(const SceneConfig& scene, std::vector<std::string>& colu
   for (const DeviceJoint& joint : scene.device->rig->tree.joints)
     columns.push_back("device." + joint.name + ".q");
   for (const DriveParams& drive : scene.device->rig->drives)
-    columns.push_back("drive." + drive.joint + ".torque");
+    for (const char* const of : {".torque", ".generated"}) columns.push_back("drive." + drive.joint + of);
 }
 
 }  // namespace
@@ -159,7 +161,10 @@ void TraceWriter::row_of(const TraceDevices& devices) {
     if (has.wrenches) wrench(target.F_WB);
   }
   numbers(devices.device_q, has.num_device_joints);
-  numbers(devices.drive_torque, has.num_drives);
+  for (std::size_t i = 0; i < has.num_drives; ++i) {
+    numbers(devices.drive_torque.subspan(std::min(i, devices.drive_torque.size())), 1);
+    numbers(devices.drive_energy.subspan(std::min(i, devices.drive_energy.size())), 1);
+  }
 }
 
 void TraceWriter::numbers(std::span<const double> x, std::size_t count) {

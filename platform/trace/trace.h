@@ -17,7 +17,7 @@
 //   relative or gripping devices    the device's pose <target>.device.x .. qz
 //   admittance devices              the hand's wrench <target>.hand.fx .. tz
 //   per joint of the device         device.<joint>.q
-//   per drive                       drive.<joint>.torque
+//   per drive                       drive.<joint>.torque, drive.<joint>.generated
 // The columns from t_bus on have all that a motion of the trace requires, and the commands.
 #pragma once
 
@@ -66,7 +66,7 @@ struct TraceScene {
 struct TraceDevices {
   double t_bus = 0;  // s, start of the period on the clock of the record
   std::span<const TargetSample> targets{};
-  std::span<const double> joint_q{}, device_q{}, drive_torque{};
+  std::span<const double> joint_q{}, device_q{}, drive_torque{}, drive_energy{};
 };
 
 /// Bits of Fault, Limited and RigFault as unsigned numbers.

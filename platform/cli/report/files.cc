@@ -278,7 +278,8 @@ void RunFiles::add_row(const CycleRecord& record) {
        .targets = record.targets,
        .joint_q = record.joint_q,
        .device_q = record.device_q,
-       .drive_torque = record.drive_torque});
+       .drive_torque = record.drive_torque,
+       .drive_energy = record.drive_energy});
 }
 
 std::vector<FileLoss> RunFiles::close() {

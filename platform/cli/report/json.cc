@@ -199,7 +199,8 @@ Json drives(const SceneConfig& scene, const RunStatistics& run) {
     const DriveParams& drive = scene.device->rig->drives[i];
     array.push_back({{"joint", drive.joint},
                      {"bus", scene.device->rig->buses[drive.bus].name},
-                     {"commanded_torque_Nm", to_json(run.drives[i], run.cycles)}});
+                     {"commanded_torque_Nm", to_json(run.drives[i], run.cycles)},
+                     {"most_generated_energy_J", run.drive_energy[i]}});
   }
   return array;
 }

@@ -119,6 +119,7 @@ struct RunStatistics {
   std::vector<JointStatistics> joints{};
   std::vector<CoordinateStatistics> coordinates{};  // as CycleRecord::joint_q
   std::vector<PeakAndMean> drives{};  // absolute value of the commanded torque at the joint, N m, or force, N
+  std::vector<double> drive_energy{};  // largest generated energy of each drive's axis, J
 
   /// Allocates the arrays for this scene.
   void prepare(const SceneConfig& scene, const CycleRecord& at_start) {
@@ -127,6 +128,7 @@ struct RunStatistics {
       joints.push_back({.child = *body_named(scene, joint.child)});
     coordinates.resize(at_start.joint_q.size());
     drives.resize(at_start.drive_torque.size());
+    drive_energy.resize(at_start.drive_energy.size());
   }
 
   std::uint64_t cycles = 0;
@@ -153,6 +155,8 @@ struct RunStatistics {
     for (JointStatistics& joint : joints) joint.add(record.bodies[joint.child].joint_C);
     for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i].add(record.joint_q[i], cycles == 1);
     for (std::size_t i = 0; i < drives.size(); ++i) drives[i].add(std::abs(record.drive_torque[i]));
+    for (std::size_t i = 0; i < drive_energy.size(); ++i)
+      drive_energy[i] = std::max(drive_energy[i], record.drive_energy[i]);
     step_ns.add(record.step_ns);
     if (record.engaged && !has(record.limited, Limited::ramp)) {
       following.add(record.following);

@@ -53,7 +53,7 @@ Ring<CycleEntry> make_cycle_ring(const Session& session) {
       sizeof entry + entry.record.bodies.size() * sizeof(BodyView) +
       entry.record.touching.size() * sizeof(ContactView) + entry.record.net_nodes.size() * sizeof(Vec3) +
       entry.record.targets.size() * sizeof(TargetSample) + entry.record.samples.size() * sizeof(BodySample) +
-      (entry.record.joint_q.size() + entry.record.device_q.size() + entry.record.drive_torque.size()) *
+      (entry.record.joint_q.size() + entry.record.device_q.size() + 2 * entry.record.drive_torque.size()) *
           sizeof(double);
   return Ring<CycleEntry>(std::min(cycle_ring, cycle_ring_bytes / bytes), entry);
 }

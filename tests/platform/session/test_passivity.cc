@@ -114,6 +114,28 @@ TEST(Passivity, TheWorstDirectionOfJointsThatMoveTogether) {
   EXPECT_THAT(passivity_warnings(result), testing::ElementsAre(HasSubstr("not together")));
 }
 
+TEST(Passivity, ControllersActOnAxesWithoutMarginAlone) {
+  const auto controllers = [](const std::string& feedback, const std::string& plant) {
+    const SceneConfig scene = parsed(test::desk_scene(feedback, plant));
+    return passivity_controllers(scene, joints_at_start(scene, Motion(scene)));
+  };
+  const auto are_active = [](const std::vector<PassivityParams>& all) {
+    return std::ranges::count_if(all, &PassivityParams::is_active);
+  };
+  const std::vector<PassivityParams> light =
+      controllers("stiffness = 125\ndamping = 2.5\n", "damping = 0.5\n");
+  ASSERT_THAT(light, SizeIs(3));
+  EXPECT_EQ(are_active(light), 3);
+  EXPECT_NEAR(light[0].deficit(), 2.5 + 125 * 1.5e-3 - 0.5, 1e-9);
+  EXPECT_DOUBLE_EQ(light[0].stiffness, 125);
+  EXPECT_DOUBLE_EQ(light[0].resolution, 1e-6);
+  EXPECT_EQ(light[0].delay, 1);
+  EXPECT_EQ(are_active(controllers("scale = 0.25\n", "")), 0);
+  EXPECT_EQ(are_active(controllers("stiffness = 125\ndamping = 2.5\n",
+                                   "damping = 0.5\n[device.limits]\npassivity_control = false\n")),
+            0);
+}
+
 TEST(Passivity, ScenesWithoutFeedbackOrDrivesHaveNone) {
   for (const char* name : {"non-haptic", "relative", "lego", "pendulum"})
     EXPECT_THAT(of_scene(shipped(name)).joints, IsEmpty()) << name;

@@ -178,16 +178,17 @@ TEST(Trace, DevicesHaveTheirColumnsBehindTheBits) {
   EXPECT_THAT(std::vector(columns.begin() + 52, columns.end()),
               testing::ElementsAre("t_bus", "tool.engaged", "tool.clutch", "tool.device.x", "tool.device.y",
                                    "tool.device.z", "tool.device.qw", "tool.device.qx", "tool.device.qy",
-                                   "tool.device.qz", "device.elbow.q", "drive.elbow.torque"));
+                                   "tool.device.qz", "device.elbow.q", "drive.elbow.torque",
+                                   "drive.elbow.generated"));
   const std::string path = testing::TempDir() + "/godobject_trace_devices.csv";
   TraceWriter writer(path, scene);
   const std::array targets{TargetSample{.X_WD = {.p = Vec3(1, 2, 3)}, .F_WB = {}, .engaged = false}};
-  const std::array q{0.25}, torque{-0.5};
+  const std::array q{0.25}, torque{-0.5}, energy{2e-6};
   writer.row(0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, {}, {}, {},
-             {.t_bus = 1.75e9, .targets = targets, .device_q = q, .drive_torque = torque});
+             {.t_bus = 1.75e9, .targets = targets, .device_q = q, .drive_torque = torque, .drive_energy = energy});
   ASSERT_TRUE(writer.close());
   const CsvTable table = read_csv(path).table.value();
-  const std::array values{1.75e9, 0.0, 1.0, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.25, -0.5};
+  const std::array values{1.75e9, 0.0, 1.0, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.25, -0.5, 2e-6};
   for (std::size_t i = 0; i < values.size(); ++i)
     EXPECT_EQ(table.at(0, 52 + i), values[i]) << columns[52 + i];
   scene.device->kind = DeviceKind::admittance;
