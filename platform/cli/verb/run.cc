@@ -233,7 +233,8 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
                   ".godo, all inputs of the engine for godobject replay")
       ->type_name("FILE");
   verb.add_option("--on-fault", options.files.on_fault,
-                  "keep the inputs of the last 10 s in memory, and write them at the first fault, for "
+                  "keep the inputs of the last 10 s, at most 64 MB, in memory, and write them at the first "
+                  "fault, for "
                   "godobject replay; the name ends in .godo")
       ->type_name("FILE");
   verb.add_option("--report", options.report, "write a JSON of everything in the summary, and the histograms")
