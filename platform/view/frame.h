@@ -87,6 +87,7 @@ class ViewPace {
 
   /// True if a period may run. now: time of the loop's clock, ns. step: period, ns.
   bool may_run(Nanoseconds now, Nanoseconds step) noexcept GODOBJECT_NONBLOCKING;
+  bool is_limited() const noexcept { return speed_.load(std::memory_order_relaxed) != unlimited; }
   bool paused() const noexcept { return !(speed_.load(std::memory_order_relaxed) > 0); }
 
  private:
@@ -119,8 +120,11 @@ class ViewTap {
   /// For the loop, before each period.
   void woke(Nanoseconds latency) noexcept { wake_ns_ = std::max(wake_ns_, latency); }
 
-  /// For the loop: false while a page holds the run back.
-  bool may_run(Nanoseconds now, Nanoseconds step) noexcept { return !paced_ || pace_.may_run(now, step); }
+  /// For the loop: false while a page holds the run back. clock: read only then.
+  template <class Clock>
+  bool may_run(const Clock& clock, Nanoseconds step) noexcept {
+    return !paced_ || !pace_.is_limited() || pace_.may_run(clock.now(), step);
+  }
 
   /// For the view's thread: null if pages may not pause the run.
   ViewPace* pace() noexcept { return paced_ ? &pace_ : nullptr; }

@@ -112,6 +112,8 @@ def run_in_browser(program, folder, tests):
         for test in share(tests):
             print(test.__name__)
             sys.stdout.flush()
+            begin = time.monotonic()
             test(browser, folder)
+            print(f"  {time.monotonic() - begin:.1f} s")
     finally:
         browser.quit()

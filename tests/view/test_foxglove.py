@@ -30,7 +30,9 @@ client.on("message", ({ subscriptionId, data }) => {
   const { topic, schemaName } = topics.get(subscriptionId), message = JSON.parse(new TextDecoder().decode(data));
   if (schemaName === "foxglove.SceneUpdate") seen.updates.push(message.entities);
   else { seen.frames++; seen.transforms = message.transforms; }
-  if (enough()) { console.log(JSON.stringify(seen)); client.close(); process.exit(0); }
+  if (seen.done || !enough()) return;
+  seen.done = true;
+  process.stdout.write(JSON.stringify(seen), () => process.exit(0));
 });
 setTimeout(() => { console.error("not enough came: " + JSON.stringify(seen)); process.exit(1); }, 20000);
 """

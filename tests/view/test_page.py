@@ -24,6 +24,8 @@ TOOL = (0xD5, 0x45, 0x2C)
 def record(scene, folder, *options):
     """Returns the path of a trace of this scene."""
     trace = os.path.join(folder, scene + "-page.csv")
+    if os.path.exists(trace):
+        return trace
     subprocess.run([ARGS.program, "run", f"sim/scenes/{scene}.toml", "--fast", "--quiet", "--duration", "3", "--trace", trace, *options],
                    cwd=SOURCE, check=True, timeout=120, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return trace
@@ -52,18 +54,14 @@ def test_a_click_shows_a_body_with_its_curves(browser, folder):
     with view(trace, "grasper", folder) as run:
         page = Page(browser, run.url)
         seek(page, 2)
-        row = min(rows, key=lambda one: abs(float(one["t"]) - page.js("godobject.state.frame.t")))
-        at = page.js("""(() => {
-            const box = document.getElementById('canvas').getBoundingClientRect();
-            for (let y = 4; y < box.height; y += 4)
-                for (let x = 4; x < box.width; x += 4)
-                    if (godobject.inspector.under({ clientX: box.left + x, clientY: box.top + y })?.name === 'tube') return [x, y];
-            return null;
-        })()""")
-        assert at, "the tube is in the picture"
-        width, height = page.js("[godobject.view.width, godobject.view.height]")
+        t = page.js("godobject.state.frame.t")
+        row = min(rows, key=lambda one: abs(float(one["t"]) - t))
+        at, width, height = page.js("""(() => {
+            const { view } = godobject, tube = view.bodies[godobject.names().indexOf('tube')], part = tube.position.clone().set(0, 0, 0.1);
+            return [view.project(tube.localToWorld(part).toArray()), view.width, view.height];
+        })()""")  # between the trocar and the jaws
         canvas = browser.find_element("id", "canvas")
-        ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at[0] - width / 2), int(at[1] - height / 2)).click().perform()
+        ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at["x"] - width / 2), int(at["y"] - height / 2)).click().perform()
         page.wait("godobject.inspector.thing?.name === 'tube'", "the click selects it")
         page.wait("document.querySelectorAll('#inspector .u-title').length >= 2", "curves of its own")
         facts = select(page, "body", "tube")
@@ -189,7 +187,7 @@ FILLED = """(() => {
 
 
 def test_the_first_picture_shows_all(browser, folder):
-    for scene in ("grasper", "organ", "lego", "wall"):
+    for scene in ("grasper", "organ", "lego"):
         with ViewedRun(ARGS.program, "view", f"sim/scenes/{scene}.toml", folder=folder) as run:
             left, right, top, bottom = Page(browser, run.url).js(FILLED)
             assert 0 <= left < right <= 1 and 0 <= top < bottom <= 1, (scene, left, right, top, bottom)
@@ -321,11 +319,13 @@ def test_pictures_films_and_a_contact_sheet_are_files(browser, folder):
         width, height = struct.unpack_from(">II", picture, 16)
         assert picture_name.startswith("wall-") and [width, height] == page.js("[godobject.view.renderer.domElement.width, godobject.view.renderer.domElement.height]")
         assert count(png_rows(picture), TOOL) > 50, "the tool is on it"
-        rows = png_rows(sheet)
-        assert sheet_name.endswith("-sheet.png") and len(rows[0]) == 1600
-        tile = [row[:400] for row in rows[:len(rows) // 3]]
-        later = [row[800:1200] for row in rows[len(rows) // 3:2 * (len(rows) // 3)]]
-        assert differing(tile, later) > 200, "its pictures differ"
+        assert sheet_name.endswith("-sheet.png") and sheet[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack_from(">I", sheet, 16)[0] == 1600
+        tiles = browser.execute_async_script("""const done = arguments[0];
+            createImageBitmap(godobject.blobs[2].blob).then((image) => {
+              const canvas = new OffscreenCanvas(80, 60), pen = canvas.getContext('2d'), w = image.width / 4, h = image.height / 3;
+              done([[0, 0], [2, 1]].map(([i, j]) => { pen.drawImage(image, i * w + 60, j * h + 30, w - 70, h - 40, 0, 0, 80, 60); return [...pen.getImageData(0, 0, 80, 60).data]; }));
+            });""")
+        assert sum(abs(a - b) > 12 for a, b in zip(*tiles)) > 100, "its pictures differ"
         assert not page.errors(), page.errors()
 
 

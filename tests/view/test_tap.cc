@@ -134,7 +134,7 @@ TEST(Tap, HoldsARunBackOnlyIfItMayBePaused) {
     EXPECT_TRUE(cycle(Wake{}));
     EXPECT_EQ(cycle.cycle().left(), later - (paced ? 0 : 1)) << "another page leaves";
     if (paced) stop = true;
-    EXPECT_TRUE(cycle(Wake{}));
+    static_cast<void>(cycle(Wake{}));
     EXPECT_NE(made.session->phase(), paced ? RunPhase::running : RunPhase::ended)
         << "a stop ends a paused run";
     view.leave(1);

@@ -74,7 +74,7 @@ class RunCycle {
   /// `record` again.
   bool may_run(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
     if (!tap_ || session_.phase() != RunPhase::running || stop_.load(std::memory_order_relaxed) ||
-        tap_->may_run(MonotonicClock{}.now(), to_ns(session_.scene().step)))
+        tap_->may_run(MonotonicClock{}, to_ns(session_.scene().step)))
       return true;
     tap_->offer(session_, record);
     return false;

@@ -36,6 +36,7 @@ const send = connect({
   ended: () => { state.ended = true; },
   recording: (frames) => {
     player.load(frames);
+    if (frames.length > 1) view.lookAtAll(Array.from({ length: 16 }, (_, i) => frames[Math.round(i / 15 * (frames.length - 1))]));
     for (const frame of frames) {
       strips.add(frame, state.about.driven);
       inspector.add(frame, true);

@@ -180,11 +180,12 @@ export class View {
     });
   }
 
-  // Shows all with the next picture, because the shape of the canvas is known then. The bodies are where they
-  // are now.
-  lookAtAll() {
-    const poses = this.frame && this.frame.numBodies === this.bodies.length ? this.bodies.map((_, i) => bodyPose(this.frame, i)) : this.about.bodies.map((body) => body.pose);
-    this.unfitted = pointsOf(this.about, poses);
+  // Shows all bodies of these frames with the next picture, because the shape of the canvas is known then.
+  // Without frames they are where they are now.
+  lookAtAll(frames = this.frame ? [this.frame] : []) {
+    const poses = frames.map((frame) => this.bodies.map((_, i) => bodyPose(frame, i)));
+    if (!poses.length) poses.push(this.about.bodies.map((body) => body.pose));
+    this.unfitted = poses.flatMap((one) => pointsOf(this.about, one));
     this.followed = null;
   }
 

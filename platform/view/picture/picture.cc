@@ -25,12 +25,12 @@ Colour between(const Colour& a, const Colour& b, double s) {
   return c;
 }
 
-/// Sets outline, centre and extent as in the page: points around all finite solids at the start of the scene.
-void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& picture) {
-  std::vector<Vec3>& points = picture.outline;
+/// Adds points around all finite solids. X_WB(body): pose of that body.
+template <class Where>
+void add_outline(const Drawing& drawing, const Where& X_WB, std::vector<Vec3>& points) {
   for (const Solid& solid : drawing.solids) {
     if (solid.kind == SolidKind::plane || solid.role == SolidRole::contact) continue;
-    const Pose X = solid.body ? composed(scene.bodies[*solid.body].X_WB, solid.X) : solid.X;
+    const Pose X = solid.body ? composed(X_WB(*solid.body), solid.X) : solid.X;
     if (solid.kind == SolidKind::mesh) {
       for (const Vec3& p : drawing.meshes[solid.mesh].vertices) points.push_back(X.p + X.q * p);
       continue;
@@ -44,13 +44,28 @@ void set_bounds(const SceneConfig& scene, const Drawing& drawing, Picture& pictu
       for (const double y : {-1.0, 1.0})
         for (const double z : {-1.0, 1.0}) points.push_back(X.p + X.q * half.cwiseProduct(Vec3(x, y, z)));
   }
-  for (const Vec3& p : nodes_at_start(scene)) points.push_back(p);
+}
+
+/// Sets centre and extent of the start of the scene, and the outline of instants of the whole recording. So
+/// the camera of an animation stands still.
+void set_bounds(const Recording& recording, const Drawing& drawing, Picture& picture) {
+  constexpr std::size_t num_instants = 16;
+  std::vector<Vec3>& points = picture.outline;
+  add_outline(
+      drawing, [&](std::size_t body) { return recording.scene.bodies[body].X_WB; }, points);
+  for (const Vec3& p : nodes_at_start(recording.scene)) points.push_back(p);
   if (points.empty()) points.push_back(Vec3::Zero());
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
   constexpr double least = 0.01;
   picture.centre = box.center();
   picture.extent = std::max(least, 0.5 * box.diagonal().norm());
+  for (std::size_t i = 0; i < num_instants; ++i) {
+    const CycleRecord& record =
+        recording.samples[(recording.samples.size() - 1) * i / (num_instants - 1)].record;
+    add_outline(
+        drawing, [&](std::size_t body) { return record.bodies[body].X_WB; }, points);
+  }
 }
 
 MeshData placed(MeshData mesh, const Pose& X) {
@@ -67,7 +82,7 @@ class PictureBuilder {
         record_(sample.record),
         sample_(sample),
         driven_(driven_bodies(scene_)) {
-    set_bounds(scene_, drawing_, picture_);
+    set_bounds(recording_, drawing_, picture_);
     max_force_ = scene_.device ? scene_.device->limits.force : LimitConfig{}.force;
   }
 

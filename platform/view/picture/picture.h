@@ -54,8 +54,8 @@ struct Picture {
 };
 
 /// Makes the picture of a sample. Bodies are solid at their simulated pose. At the pose of the device they
-/// are wireframes, with the coupling and the force to the hand. outline, centre and extent are those of the
-/// scene at its start.
+/// are wireframes, with the coupling and the force to the hand. The outline is that of the whole recording;
+/// centre and extent are those of the start.
 Picture picture_of(const Recording& recording, const Drawing& drawing, const ViewSample& sample);
 
 /// Draws the picture with the page's initial camera. width, height: pixels.
