@@ -62,7 +62,9 @@ def check_program(root, files):
     assert "--require-rt" in start and all(f"{word} " in known for word in start if word.startswith("--")), start
     assert "\nRestart=no\n" in unit and "\nKillSignal=SIGINT\n" in unit and "\nLimitMEMLOCK=infinity\n" in unit
     analyze = shutil.which("systemd-analyze")
-    if analyze:
+    if analyze is None:
+        print("not checked by systemd-analyze, which is missing: the unit")
+    else:
         for target in ("sysinit", "basic", "shutdown"):  # the root has no others
             (root / f"usr/lib/systemd/system/{target}.target").write_text("[Unit]\n")
         output_of(analyze, f"--root={root}", "--man=no", "verify", "godobject@rig.service")
