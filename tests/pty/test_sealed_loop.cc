@@ -7,6 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <memory>
@@ -152,9 +153,9 @@ TEST_P(SealedRunWith, AForbiddenCallIsNamedAndStopsTheMotors) {
   EXPECT_GE(result->refused_calls, 1u);
   EXPECT_LT(result->statistics.cycles, 300u);
   EXPECT_EQ(made.session->phase(), RunPhase::ended);
-  ASSERT_FALSE(result->events.empty());
-  EXPECT_EQ(result->events.back().kind, RunEventKind::quick_stop);
-  EXPECT_THAT(result->events.back().cause, HasSubstr(GetParam().name));
+  const auto event = std::ranges::find(result->events, RunEventKind::quick_stop, &RunEvent::kind);
+  ASSERT_NE(event, result->events.end());
+  EXPECT_THAT(event->cause, HasSubstr(GetParam().name));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -174,7 +175,7 @@ void expect_sealed(const std::string& report_path, const std::string& output) {
   ASSERT_TRUE(report.contains("seal")) << output;
   EXPECT_TRUE(report["seal"]["broken_by"].is_null()) << report["seal"];
   EXPECT_EQ(report["seal"]["refused_calls"], 0);
-  EXPECT_GT(report["cycles"], 500);
+  EXPECT_GT(report["cycles"], 100);  // a sixth of those of an idle machine, and enough for the next lines
   ASSERT_TRUE(report.contains("page_faults")) << output;
   for (const auto& step : report["machine"]["rt_setup"])
     if (step["step"] == "lock memory" && step["result"] == "ok") {
@@ -194,8 +195,8 @@ class SealedProgram : public ProgramTest {
 };
 
 TEST_F(SealedProgram, OnASimulatedDeviceWithEveryOutput) {
-  const ProgramResult result = run_program("run sim/scenes/grasper.toml --duration 3 --view 0 --record " +
-                                           path("bus.log") + outputs());
+  const ProgramResult result =
+      run_program("run sim/scenes/grasper.toml --duration 3 --view --record " + path("bus.log") + outputs());
   expect_sealed(path("report.json"), result.output);
 }
 
@@ -247,7 +248,7 @@ class SealedOnSlcan : public RunOverPtys {
 TEST_F(SealedOnSlcan, WithTraceRecordAndView) {
   if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
   ASSERT_TRUE(start(write("scene.toml", patient_toml()),
-                    {"--seal", "--view", "0", "--trace", path("trace.csv"), "--record", path("bus.log"),
+                    {"--seal", "--view", "--trace", path("trace.csv"), "--record", path("bus.log"),
                      "--report", path("report.json")}));
   listen(3s);
   kill(host_->pid(), SIGINT);
