@@ -29,9 +29,9 @@ struct PassivityParams {
 
 /// Observes the energy that sampling, delay and limits add to an axis, and bounds it.
 ///
-/// The observer compares the work of the torque that was sent with the work of the wanted torque, if that
-/// acted without delay (trapezoidal rule between samples). The difference is generated energy, from which the
-/// device's own damping removes b dq^2 / T. Dissipated energy is not stored, so that a long dissipative past
+/// The observer compares the work of the sent torque with that of the wanted torque acting without delay,
+/// by the trapezoidal rule between samples. The difference is generated energy, from which the device's own
+/// damping removes b dq^2 / T. Dissipated energy is not stored, so that a long dissipative past
 /// permits no burst. The energy of the simulated scene itself is in both and cancels.
 ///
 /// With generated energy the controller displays a softened torque and adds damping. The softened torque
@@ -47,8 +47,9 @@ class PassivityController {
   /// Shortest time in which the softened torque converges. Convergence is an integral term, which is stable
   /// if much slower than soft_stiffness * soft_damping / (m K).
   static constexpr double relaxation_s = 1, relaxation_margin = 5;
-  static constexpr double forgotten_s = 3;  // time constant of generated energy
-  static constexpr double release_s = 1;    // time constant of the controller's fading
+  /// Time constant in which generated energy above this multiple of energy_J is forgotten.
+  static constexpr double forgotten_s = 3, remembered = 2;
+  static constexpr double release_s = 1;  // time constant of the controller's fading
   static constexpr double velocity_weight = 0.4;
 
   explicit PassivityController(const PassivityParams& params = {}) noexcept
@@ -114,7 +115,8 @@ class PassivityController {
     const double dq = q - q_;
     const double time_s = periods_ * params_.period_s;
     const double acted = work_rate_ / periods_;
-    energy_J_ *= std::max(0.0, 1 - time_s / forgotten_s);
+    const double excess = energy_J_ - remembered * params_.energy_J;
+    if (excess > 0) energy_J_ -= excess * std::min(1.0, time_s / forgotten_s);
     energy_J_ += (acted - 0.5 * (wanted + wanted_at_q_)) * dq - params_.damping * dq * dq / time_s;
     energy_J_ = std::max(energy_J_, 0.0);
     q_dot_ += velocity_weight * (dq / time_s - q_dot_);

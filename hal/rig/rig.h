@@ -88,7 +88,7 @@ class Rig {
   Rig(const RigParams&&, double, std::span<CanBus* const>) = delete;  // a temporary would not outlive it
   Rig(Rig&&) noexcept = default;
 
-  /// Gives each drive a passivity controller, which changes the torque at its joint before the drive's limits.
+  /// Gives each drive a passivity controller, which changes the joint's torque before the drive's limits.
   /// controllers: one per drive, in the order of RigParams::drives; none by default.
   void control_passivity(std::span<const PassivityParams> controllers) noexcept;
 

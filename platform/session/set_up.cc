@@ -118,9 +118,9 @@ void Session::connect(DeviceParts device, std::vector<std::string>& errors) {
     for (const std::string& error : RigDevice::complaints(scene_)) errors.push_back(error);
     if (!device.buses)
       errors.push_back("the device of scene '" + scene_.name + "' has buses: pass them to make()");
-    if (errors.empty()) phases_.add(rig_.emplace(
-          scene_, std::move(device.buses),
-          passivity_controllers(scene_, godobject::joints_at_start(scene_, motion_))));
+    if (errors.empty())
+      phases_.add(rig_.emplace(scene_, std::move(device.buses),
+                               passivity_controllers(scene_, godobject::joints_at_start(scene_, motion_))));
   }
   if (has_trackers) {
     const std::vector<TrackerParams>& trackers = scene_.device->trackers;

@@ -45,7 +45,7 @@ struct SampledWall {
 };
 
 struct WallRun {
-  double given_J = 0;             // largest energy out of wall and device together, over what was put in
+  double given_J = 0;             // J, maximum of the work of the force less the dissipation of the device
   double ripple = 0;              // N, peak to peak of the force that acts in the last half second
   double mean_force = 0;          // N, mean of the same
   double law_force = 0;           // N, mean of the wall's law there

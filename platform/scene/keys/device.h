@@ -497,14 +497,13 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   visit_name(v, "", d.name);
   choose(v, Key{"kind", "", "see Devices above"}, device_kind_names, d.kind);
   visit_grabbing(v, scene, d);
-  plain_table(v, TableKey{"limits", "Bounds of the displayed wrench, and ramps."},
-              [&](auto& t) {
-                visit_limits(t, d.limits);
-                t.value(Key{"passivity_control", "",
-                            "bounds the energy that sampling and delay add on driven axes without margin "
-                            "(docs/theory/passivity.md)"},
-                        d.controls_passivity);
-              });
+  plain_table(v, TableKey{"limits", "Bounds of the displayed wrench, and ramps."}, [&](auto& t) {
+    visit_limits(t, d.limits);
+    t.value(Key{"passivity_control", "",
+                "bounds the energy that sampling and delay add on driven axes without margin "
+                "(docs/theory/passivity.md)"},
+            d.controls_passivity);
+  });
   RigParams rig = d.rig.value_or(RigParams{.buses = buses,
                                            .tree = d.unmeasured_tree.value_or(KinematicTreeParams{}),
                                            .encoders = {},

@@ -18,6 +18,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
+/// The light carriage without passivity controllers, which would keep it from chattering.
+const std::string uncontrolled_plant = light_plant + "[device.limits]\npassivity_control = false\n";
+
 class ForceOscillates : public ProgramTest {
  protected:
   nlohmann::json report() const { return nlohmann::json::parse(read_file(path("r.json"))); }
@@ -50,7 +53,7 @@ TEST_F(ForceOscillates, CheckWarnsAndStrictRefuses) {
 }
 
 TEST_F(ForceOscillates, ChatterAtTheRateLimitIsAFaultWithin600Ms) {
-  const std::string scene = write("light.toml", desk_scene(heavy_feedback, light_plant));
+  const std::string scene = write("light.toml", desk_scene(heavy_feedback, uncontrolled_plant));
   const ProgramResult run = run_program("run " + scene + outputs());
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_THAT(run.output, HasSubstr("FAULT                      force_oscillates"));
@@ -76,6 +79,14 @@ TEST_F(ForceOscillates, ChatterAtTheRateLimitIsAFaultWithin600Ms) {
   EXPECT_THAT(run.output, AllOf(HasSubstr("WARNING"), HasSubstr("limit force_rate in ")));
 }
 
+TEST_F(ForceOscillates, PassivityControllersKeepItFromChattering) {
+  const ProgramResult run =
+      run_program("run " + write("light.toml", desk_scene(heavy_feedback, light_plant)) + outputs());
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(report()["faults"], IsEmpty());
+  EXPECT_GT(report()["drives"][0]["most_generated_energy_J"], 0);
+}
+
 TEST_F(ForceOscillates, WithoutARigItIsAFaultOfTheRun) {
   // the hand, measured exactly, shakes at 60 Hz: the force follows at its rate limit
   std::string scene = desk_scene("stiffness = 5000\n");
@@ -88,7 +99,7 @@ TEST_F(ForceOscillates, WithoutARigItIsAFaultOfTheRun) {
 }
 
 TEST_F(ForceOscillates, AutomaticRearmingDoesNotRestartIt) {
-  const std::string scene = write("light.toml", desk_scene(heavy_feedback, light_plant));
+  const std::string scene = write("light.toml", desk_scene(heavy_feedback, uncontrolled_plant));
   const ProgramResult run = run_program("run --rearm auto " + scene + outputs());
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_THAT(run.output, Not(HasSubstr("recovered")));

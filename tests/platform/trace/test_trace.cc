@@ -184,8 +184,9 @@ TEST(Trace, DevicesHaveTheirColumnsBehindTheBits) {
   TraceWriter writer(path, scene);
   const std::array targets{TargetSample{.X_WD = {.p = Vec3(1, 2, 3)}, .F_WB = {}, .engaged = false}};
   const std::array q{0.25}, torque{-0.5}, energy{2e-6};
-  writer.row(0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, {}, {}, {},
-             {.t_bus = 1.75e9, .targets = targets, .device_q = q, .drive_torque = torque, .drive_energy = energy});
+  writer.row(
+      0, std::array<TraceBody, 2>{}, std::array<TraceDriven, 1>{}, {}, {}, {},
+      {.t_bus = 1.75e9, .targets = targets, .device_q = q, .drive_torque = torque, .drive_energy = energy});
   ASSERT_TRUE(writer.close());
   const CsvTable table = read_csv(path).table.value();
   const std::array values{1.75e9, 0.0, 1.0, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.25, -0.5, 2e-6};

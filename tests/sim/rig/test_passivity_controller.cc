@@ -12,8 +12,8 @@
 namespace godobject::test_passivity_controller {
 namespace {
 
-/// Energy that a controlled axis may give beyond what was put in, J: docs/theory/passivity.md. The first holds
-/// for forces up to 5 N on most axes, the second beside the energy of the softened spring.
+/// Bounds of the energy that a controlled axis gives, J: docs/theory/passivity.md. The first holds for forces
+/// up to 5 N on most axes, the second beside the energy of the softened spring.
 constexpr double margin_J = 5e-3, least_margin_J = 1e-3;
 
 SampledWall without_controller(SampledWall wall) {
@@ -145,7 +145,7 @@ SampledWall drawn(std::mt19937& random, double& force) {
   return wall;
 }
 
-/// Returns the energy that the softened spring stores under the hand's force, J: it lifts the hand by as much
+/// Returns the energy of the softened spring under the hand's force, J. The axis lifts the hand by as much
 /// while it converges to the wall's law.
 double softened_J(const SampledWall& wall, double force) {
   const double reach_s = (wall.delay + 1) * wall.period_s;
