@@ -145,12 +145,12 @@ class Run {
 
 const target = { share: 1, mean: true };
 const settings = [
-  { name: 'Jolt, motors', motors: true, target, settings: {}, netIterations: 5 },
+  { name: 'Jolt motors', motors: true, target, settings: {}, netIterations: 5 },
   {
-    name: 'Jolt, motors, 50 iterations', motors: true, target, netIterations: 50,
+    name: 'Jolt motors 50 iterations', motors: true, target, netIterations: 50,
     settings: { mNumVelocitySteps: 50, mNumPositionSteps: 10 },
   },
-  { name: 'Jolt, forces', motors: false, target, settings: {} },
+  { name: 'Jolt forces', motors: false, target, settings: {} },
 ];
 
 function makeNet(jolt, net, variant) {

@@ -14,8 +14,8 @@ const integrators = [
   { name: 'MuJoCo Euler', integrator: 'Euler', target: held },
   { name: 'MuJoCo implicitfast', integrator: 'implicitfast', target: held, many: true },
   { name: 'MuJoCo discrete', integrator: 'discrete', target: end, many: true },
-  { name: 'MuJoCo discrete, mean target velocity', integrator: 'discrete', target: mean },
-  { name: 'MuJoCo RK4, target of mid-step', integrator: 'RK4', target: middle },
+  { name: 'MuJoCo discrete (mean velocity)', integrator: 'discrete', target: mean },
+  { name: 'MuJoCo RK4 (mid-step target)', integrator: 'RK4', target: middle },
 ];
 
 class Run {

@@ -105,7 +105,7 @@ const target = { share: 1, mean: true };
 const tight = { lengthUnit: 0.1, contact_natural_frequency: 200 };  // m, Hz: for tools of centimetres
 const settings = [
   { name: 'Rapier', reduced: false, target, parameters: tight },
-  { name: 'Rapier, multibody', reduced: true, target, parameters: tight },
+  { name: 'Rapier multibody', reduced: true, target, parameters: tight },
 ];
 
 const isChain = ({ joints }) => joints.length > 0 && joints.every(({ type }) => type === 'ball');

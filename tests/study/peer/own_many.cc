@@ -1,0 +1,47 @@
+// Many bodies and many nodes: apart from own.cc, since their steps take the longest to compile.
+#include <limits>
+#include <memory>
+
+#include "tests/bench/contact_quality.h"
+#include "tests/bench/hanging_run.h"
+#include "tests/study/case_errors.h"
+#include "tests/study/contact/run.h"
+#include "tests/study/peer/own.h"
+
+namespace godobject::study {
+
+PeerPile own_pile() {
+  using S = Bricks<ImplicitEuler, 64>;
+  constexpr double h = 1e-3;
+  const bench::ContactScene scene = bench::scene_s4(64, 20);
+  const auto run = std::make_unique<CaseRun<S>>(scene.problem, h);
+  set_contacts(scene, run->params());
+  const std::vector<Input<S>> inputs = run->inputs(steps_in(scene.duration, h), scene.duration);
+  bool failed = false;
+  const bench::ContactQuality quality = bench::quality_of(scene, inputs.size(), [&](std::size_t n) {
+    run->step(inputs[n]);
+    failed = failed || any(run->output().fault);
+    bench::Snapshot now{{}, run->output().contacts.num_contacts};
+    for (std::size_t i = 0; i < scene.problem.bodies.size(); ++i)
+      now.bodies.push_back(oracle_state(run->body(i)));
+    return now;
+  });
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  return {.engine = ImplicitEuler::name,
+          .overlap = failed ? infinite : quality.overlap,
+          .median = failed ? infinite : quality.overlap_median,
+          .us_per_step = {},
+          .p99_us = {}};
+}
+
+PeerNet own_net() {
+  constexpr std::size_t steps = 1000;
+  bench::HangingRun<NetTool<ImplicitEuler, 1024>> run(NetParams<1, 1>{}.max_iterations);
+  run.restart();
+  for (std::size_t n = 0; n < steps; ++n) run.step(0);  // its ball stays away
+  return {.engine = ImplicitEuler::name,
+          .stretch = bench::stretch_error([&](std::uint32_t n) { return run.node(n); }),
+          .us_per_step = {}};
+}
+
+}  // namespace godobject::study

@@ -1,0 +1,226 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "tests/study/peer/section.h"
+#include "tests/study/report/text.h"
+
+namespace godobject::study {
+namespace {
+
+constexpr double compared_step = 1e-3;  // s
+constexpr double torn = 1;              // strain
+constexpr double noticeable = 0.95;     // of our value, from which on a peer is better
+
+std::string scientific(double value) { return std::isfinite(value) ? number(value, 2) : "fails"; }
+
+std::string us(const std::optional<double>& time) {
+  if (!time) return "-";
+  return *time < 100 ? number(*time, 2) : whole(time);
+}
+
+/// Returns the line under the header of a table with so many columns after the first.
+std::string rule(std::size_t columns) {
+  std::string line = "|---|";
+  for (std::size_t i = 0; i < columns; ++i) line += "---|";
+  return line + '\n';
+}
+
+std::vector<std::string> peer_scenes(const PeerResults& results) {
+  std::vector<std::string> scenes;
+  for (const PeerError& r : results.errors)
+    if (std::ranges::find(scenes, r.scene) == scenes.end()) scenes.push_back(r.scene);
+  return scenes;
+}
+
+/// A number of all engines of which less is better.
+struct Measure {
+  std::string name;
+  std::vector<std::pair<std::string, double>> values;  // engine, value
+};
+
+std::vector<Measure> measures_of(const PeerResults& results) {
+  std::vector<Measure> all;
+  const auto add = [&](const std::string& name, const std::string& engine, double value) {
+    auto it = std::ranges::find(all, name, &Measure::name);
+    if (it == all.end()) it = all.insert(it, {name, {}});
+    it->values.emplace_back(engine, std::abs(value));
+  };
+  for (const PeerError& r : results.errors) {
+    if (std::abs(r.h / compared_step - 1) > 1e-6) continue;
+    add(r.scene + " position", r.engine, r.position);
+    add(r.scene + " rotation", r.engine, r.rotation);
+  }
+  for (const PeerContact& r : results.contacts) {
+    add("S2 penetration at " + number(r.k) + " N/m", r.engine, r.depth);
+    add("S2 jitter at " + number(r.k) + " N/m", r.engine, r.jitter);
+  }
+  for (const PeerPile& r : results.piles) add("S4 overlap", r.engine, r.overlap);
+  for (const PeerNet& r : results.nets) add("S6 stretch", r.engine, r.stretch);
+  return all;
+}
+
+/// Returns the measures in which a peer is better than the integrator, and how much. Empty if there is none.
+std::string peers_better_than(const PeerResults& results, const char* integrator) {
+  std::string text;
+  for (const Measure& measure : measures_of(results)) {
+    const std::pair<std::string, double>*own = nullptr, *peer = nullptr;
+    for (const auto& value : measure.values) {
+      if (is_ours(value.first) && !value.first.starts_with(integrator)) continue;
+      auto& best = is_ours(value.first) ? own : peer;
+      if (best == nullptr || value.second < best->second) best = &value;
+    }
+    if (own == nullptr || peer == nullptr || !(peer->second < noticeable * own->second)) continue;
+    text += (text.empty() ? "" : "; ") + measure.name + " (" + peer->first + ": " + scientific(peer->second) +
+            ", ours " + scientific(own->second) + ")";
+  }
+  return text;
+}
+
+void write_winners(std::ostream& out, const PeerResults& results) {
+  std::string better;
+  for (const char* integrator : {TrBdf2::name, ImplicitEuler::name}) {
+    const std::string list = peers_better_than(results, integrator);
+    if (!list.empty()) better += std::string("- than ") + integrator + ": " + list + ".\n";
+  }
+  if (better.empty()) out << "No peer is better than ours by 5 % at a step of 1 ms.\n";
+  else out << "**A peer is better, by 5 % or more at a step of 1 ms:**\n\n" << better;
+}
+
+void write_peer_errors(std::ostream& out, const PeerResults& results) {
+  const std::vector<std::string> scenes = peer_scenes(results);
+  out << "\nWorst errors at 1 ms, and the order of the last halving of the step; us of a step of S1 in WASM, "
+         "which are not "
+         "to be compared with native times:\n\n| engine |";
+  for (const std::string& scene : scenes) out << ' ' << scene << ", m | rad | order |";
+  out << " us, WASM |\n" << rule(3 * scenes.size() + 1);
+  for (const std::string& engine : engines_of(results)) {
+    if (std::ranges::find(results.errors, engine, &PeerError::engine) == results.errors.end()) continue;
+    out << "| " << engine << " |";
+    for (const std::string& scene : scenes) {
+      const PeerError* const r = find_row(results.errors, scene, engine, compared_step);
+      const PeerError* const finest = find_row(results.errors, scene, engine, 0.125e-3);
+      const PeerError* const finer = find_row(results.errors, scene, engine, 0.25e-3);
+      if (r == nullptr) {
+        out << " - | - | - |";
+        continue;
+      }
+      out << ' ' << scientific(r->position) << " | " << scientific(r->rotation) << " | ";
+      const bool has_order = finest != nullptr && finer != nullptr && std::isfinite(finer->position);
+      out << (has_order ? number(std::log2(finer->position / finest->position), 2) : "-");
+      out << " |";
+    }
+    const PeerError* const s1 = find_row(results.errors, "S1", engine, compared_step);
+    out << ' ' << (s1 != nullptr ? us(s1->us_per_step) : "-") << " |\n";
+  }
+  out << "\n![errors beside other engines](figures/peers.png)\n";
+}
+
+void write_peer_contacts(std::ostream& out, const PeerResults& results) {
+  if (results.contacts.empty()) return;
+  std::set<double> stiffnesses;
+  for (const PeerContact& r : results.contacts) stiffnesses.insert(r.k);
+  out << "\nS2 at 1 ms, by the coupling's stiffness: mean penetration and its jitter, m. Ours is the scene's "
+         "law of 2e5 N/m a sphere, or hard, 1e8 N/m:\n\n| engine |";
+  for (const double k : stiffnesses) out << ' ' << number(k) << " N/m |";
+  out << '\n' << rule(stiffnesses.size());
+  for (const std::string& engine : engines_of(results)) {
+    if (std::ranges::find(results.contacts, engine, &PeerContact::engine) == results.contacts.end()) continue;
+    out << "| " << engine << " |";
+    for (const double k : stiffnesses)
+      for (const PeerContact& r : results.contacts)
+        if (r.engine == engine && r.k == k)
+          out << ' ' << (std::isfinite(r.depth) ? number(r.depth, 2) + ", " + number(r.jitter, 2) : "fails")
+              << " |";
+    out << '\n';
+  }
+}
+
+void write_peer_many(std::ostream& out, const PeerResults& results) {
+  if (results.piles.empty()) return;
+  out << "\nS4 at 1 ms: overlap of bricks, and S6: error of the stretch at rest:\n\n"
+         "| engine | S4, m | median | us, WASM | S6 | us, WASM |\n"
+      << rule(5);
+  for (const PeerPile& r : results.piles) {
+    const auto net = std::ranges::find(results.nets, r.engine, &PeerNet::engine);
+    out << "| " << r.engine << " | " << scientific(r.overlap) << " | " << scientific(r.median) << " | "
+        << us(r.us_per_step) << " | "
+        << (net != results.nets.end()
+                ? (net->stretch < torn ? scientific(net->stretch) : "fails") + " | " + us(net->us_per_step)
+                : "- | -")
+        << " |\n";
+  }
+}
+
+void write_peer_stability(std::ostream& out, const PeerResults& results) {
+  constexpr double lost = 0.01;  // m from the target, thirty times the lag at 1e3 N/m
+  std::set<double> stiffnesses, steps;
+  for (const PeerStability& r : results.stability) {
+    stiffnesses.insert(r.k);
+    steps.insert(r.h);
+  }
+  out << "\nS1 stiffened at equal damping ratio, 2 s: the longest step of";
+  for (const double h : steps) out << (h == *steps.begin() ? " " : ", ") << number(1e3 * h);
+  out << " ms that stays within 1 cm of the target, ms:\n\n| engine |";
+  for (const double k : stiffnesses) out << ' ' << number(k) << " N/m |";
+  out << '\n' << rule(stiffnesses.size());
+  for (const std::string& engine : engines_of(results)) {
+    if (std::ranges::find(results.stability, engine, &PeerStability::engine) == results.stability.end())
+      continue;
+    out << "| " << engine << " |";
+    for (const double k : stiffnesses) {
+      double longest = 0;
+      for (const PeerStability& r : results.stability)
+        if (r.engine == engine && r.k == k && r.distance < lost) longest = std::max(longest, r.h);
+      out << ' ' << (longest > 0 ? number(1e3 * longest) : "none") << " |";
+    }
+    out << '\n';
+  }
+}
+
+constexpr const char* peers_method = R"(
+Couplings. MuJoCo: springs and dampers on slides and a ball, the springs' reference moved; on S3 actuators to a mocap body.
+The step's target is that of its start with Euler and implicitfast, its end with `discrete`, its middle with RK4.
+Jolt: six-axis motors to a kinematic target, or forces with implicit denominators. Rapier: such forces; a universal joint is
+two hinges. Jolt and Rapier are single precision and receive the step's mean target velocity. Ours receives that of
+the end. Contacts: MuJoCo's solref 0.02 0.5 was the calmest tried; Jolt's bricks are rounded by 0.5 mm. Times include the
+target's computation and stem from a busy machine. Sources: tests/bench/wasm.
+)";
+
+}  // namespace
+
+void write_peers(std::ostream& out, const PeerResults& results) {
+  out << "## Beside other engines\n\n";
+  if (!results.why_not.empty()) {
+    out << "Left out: " << results.why_not << ".\n\n";
+    return;
+  }
+  write_winners(out, results);
+  write_peer_errors(out, results);
+  write_peer_contacts(out, results);
+  write_peer_many(out, results);
+  write_peer_stability(out, results);
+  out << peers_method << "\nVersions: " << results.versions << ".\n\n";
+}
+
+void replace_peers(const std::filesystem::path& report, const PeerResults& results) {
+  std::ifstream in(report);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t begin = text.find(peers_begin), end = text.find(peers_end);
+  if (begin == std::string::npos || end == std::string::npos || end < begin)
+    throw std::runtime_error(
+        report.string() + ": has no lines " + peers_begin + "and " + peers_end +
+        "between which the section on peers belongs: write the report with ./dev study first");
+  std::ostringstream section;
+  write_peers(section, results);
+  std::ofstream out(report);
+  out << text.substr(0, begin) << peers_begin << section.str() << text.substr(end);
+  if (!out.flush()) throw std::runtime_error(report.string() + ": cannot be written");
+}
+
+}  // namespace godobject::study
