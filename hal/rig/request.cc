@@ -1,6 +1,7 @@
-// Rig: start of a cycle. Requests answers by SYNC or by a frame to each drive, and marks cycles whose answers
-// measure the nodes' delay (hal/joint/answer_delay.h).
+// Rig: start of a cycle, and plans of commands. Requests answers by SYNC or by a frame to each drive, and
+// marks cycles whose answers measure the nodes' delay (hal/joint/answer_delay.h).
 #include <algorithm>
+#include <cassert>
 
 #include "hal/rig/rig.h"
 
@@ -79,6 +80,20 @@ bool Rig::request_answers(std::size_t bus, Nanoseconds now) noexcept {
     queued = true;
   }
   return queued;
+}
+
+/// Plans the command of a drive. Its passivity controller acts while torque follows command() and restarts
+/// otherwise, because a torque that runs down is no feedback.
+DriveCommand Rig::plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept {
+  const Measured& measured = measured_[static_cast<std::size_t>(drive.joint)];
+  if (state_ != RigState::armed) drive.passivity.reset();
+  else tau_joint = drive.passivity.limit(tau_joint, measured.q, measured.valid && measured.reads_ago == 0);
+  return drive.drive.plan(tau_joint, goal(), now);
+}
+
+void Rig::control_passivity(std::span<const PassivityParams> controllers) noexcept {
+  assert(controllers.size() == drives_.size());
+  for (std::size_t i = 0; i < drives_.size(); ++i) drives_[i].passivity = PassivityController(controllers[i]);
 }
 
 }  // namespace godobject

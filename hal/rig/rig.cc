@@ -222,20 +222,6 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   return report;
 }
 
-/// Plans the command of a drive. Its passivity controller acts while torque follows command() and restarts
-/// otherwise, because a torque that runs down is no feedback.
-DriveCommand Rig::plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept {
-  const Measured& measured = measured_[static_cast<std::size_t>(drive.joint)];
-  if (state_ != RigState::armed) drive.passivity.reset();
-  else tau_joint = drive.passivity.limit(tau_joint, measured.q, measured.valid && measured.reads_ago == 0);
-  return drive.drive.plan(tau_joint, goal(), now);
-}
-
-void Rig::control_passivity(std::span<const PassivityParams> controllers) noexcept {
-  assert(controllers.size() == drives_.size());
-  for (std::size_t i = 0; i < drives_.size(); ++i) drives_[i].passivity = PassivityController(controllers[i]);
-}
-
 DriveGoal Rig::goal() const noexcept {
   if (any(faults() & RigFault::quick_stop)) return DriveGoal::quick_stop;
   const bool failed =

@@ -88,8 +88,7 @@ class Rig {
   Rig(const RigParams&&, double, std::span<CanBus* const>) = delete;  // a temporary would not outlive it
   Rig(Rig&&) noexcept = default;
 
-  /// Gives each drive a passivity controller, which changes the joint's torque before the drive's limits.
-  /// controllers: one per drive, in the order of RigParams::drives; none by default.
+  /// Gives each drive a passivity controller, which acts before its limits. controllers: one per drive.
   void control_passivity(std::span<const PassivityParams> controllers) noexcept;
 
   /// off -> booting: sends NMT start to all nodes.
@@ -155,7 +154,7 @@ class Rig {
   double commanded_torque_Nm(std::size_t drive) const noexcept {
     return drives_[drive].drive.commanded_torque_Nm();
   }
-  /// Returns the energy that the drive's passivity controller still has to dissipate, J; 0 without one.
+  /// Returns the energy observed by the drive's passivity controller, J; 0 without one.
   double generated_energy_J(std::size_t drive) const noexcept { return drives_[drive].passivity.energy_J(); }
 
  private:
@@ -224,6 +223,7 @@ class Rig {
   std::string evidence_text(const RigFaultRecord& record) const;
 
   // request.cc
+  DriveCommand plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept;
   bool begin_cycle(std::size_t bus, Nanoseconds now) noexcept;
   bool request_answers(std::size_t bus, Nanoseconds now) noexcept;
   bool is_mark_due(std::size_t bus) noexcept;
@@ -268,7 +268,6 @@ class Rig {
   bool nodes_were_up() const noexcept { return reached() >= RigState::enabling; }
   bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
 
-  DriveCommand plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept;
   DriveGoal goal() const noexcept;
   DeviceButtons buttons() const noexcept;
 
@@ -284,7 +283,7 @@ class Rig {
     std::uint64_t every_nth_sync = 1;
     Nanoseconds t_ns = 0;         // time of the sample
     std::uint64_t reads_ago = 0;  // number of reads since it was new
-    double q = 0;                 // coordinate, rad or m
+    double q = 0;                 // rad or m
     bool valid = false;
   };
   std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
