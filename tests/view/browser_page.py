@@ -1,14 +1,16 @@
 """A page of the view in Chromium, without a screen, for the tests in this folder. Importing it skips the test if
 selenium is missing."""
 import base64
+import os
 import shutil
 import struct
+import subprocess
 import sys
 import tempfile
 import time
 import zlib
 
-from viewed_run import ViewedRun, skip, share
+from viewed_run import SOURCE, ViewedRun, skip, share
 
 FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking --disable-component-update "
          "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=900,620").split()
@@ -97,6 +99,29 @@ def like(pixel, colour):
 
 def press(browser, kind, key):
     browser.execute_script(f"dispatchEvent(new KeyboardEvent('{kind}', {{ key: '{key}' }}))")
+
+
+def record(program, scene, folder, *options):
+    """Returns the path of a trace of this scene."""
+    trace = os.path.join(folder, scene + "-page.csv")
+    if os.path.exists(trace):
+        return trace
+    subprocess.run([program, "run", f"sim/scenes/{scene}.toml", "--fast", "--quiet", "--duration", "3", "--trace", trace, *options],
+                   cwd=SOURCE, check=True, timeout=120, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return trace
+
+
+def view(program, trace, scene, folder):
+    return ViewedRun(program, "view", trace, "--scene", f"sim/scenes/{scene}.toml", folder=folder)
+
+
+def seek(page, t):
+    page.js(f"(godobject.player.playing = false, godobject.player.showAt({t}))")
+    page.wait(f"Math.abs(godobject.state.frame.t - {t}) < 0.011", "that instant")
+
+
+def count(rows, colour):
+    return sum(like(pixel, colour) for row in rows for pixel in row)
 
 
 def run_in_browser(program, folder, tests):
