@@ -189,7 +189,7 @@ The step's target is that of its start with Euler and implicitfast, its end with
 Jolt: six-axis motors to a kinematic target, or forces with implicit denominators. Rapier: such forces; a universal joint is
 two hinges. Jolt and Rapier are single precision and receive the step's mean target velocity. Ours receives that of
 the end. Contacts: MuJoCo's solref 0.02 0.5 was the calmest tried; Jolt's bricks are rounded by 0.5 mm. Times include the
-target's computation and stem from a busy machine. Sources: tests/bench/wasm.
+target's computation and stem from a busy machine. Sources: tests/bench/wasm; command: `./dev study --peers`.
 )";
 
 }  // namespace
