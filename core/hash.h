@@ -18,7 +18,7 @@ namespace godobject {
 class Hash {
  public:
   void add(std::uint64_t word) noexcept { value_ = (value_ ^ word) * 0x100000001b3u; }
-  void add(Real a) noexcept { add(std::bit_cast<std::uint64_t>(a)); }
+  void add(Real a) noexcept { add(std::bit_cast<std::uint64_t>(static_cast<double>(a))); }
   void add(const Vec3& a) noexcept {
     for (const Real c : {a.x(), a.y(), a.z()}) add(c);
   }

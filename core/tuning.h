@@ -187,7 +187,7 @@ struct FrictionAmongBodies {
     return iteration > 3 ? 3e-3 * static_cast<Real>(1 << (iteration - 1)) : 1e-5;
   }
   static constexpr Real normal_tolerance(int iteration) noexcept {
-    return std::min(3e-3 * static_cast<Real>(1 << (iteration > 1 ? iteration - 1 : 0)), Real(12e-3));
+    return std::min(Real(3e-3) * static_cast<Real>(1 << (iteration > 1 ? iteration - 1 : 0)), Real(12e-3));
   }
 };
 

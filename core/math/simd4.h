@@ -7,7 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#ifdef __AVX__
+#if defined(__AVX__) && !defined(GODOBJECT_REAL)
 #include <immintrin.h>
 #endif
 
@@ -25,12 +25,12 @@ R apply_by_parts(const A& a, const A& b, F f) noexcept {
 
 /// Four numbers in vectors of the processor's size: one of four numbers, or two of two.
 struct Pack {
-#ifdef __AVX__
+#if defined(__AVX__) && !defined(GODOBJECT_REAL)
   static constexpr std::size_t num_parts = 1;
   using Part [[gnu::vector_size(32)]] = Real;
 #else
   static constexpr std::size_t num_parts = 2;
-  using Part [[gnu::vector_size(16)]] = Real;
+  using Part [[gnu::vector_size(2 * sizeof(Real))]] = Real;
 #endif
   static constexpr std::size_t size = 4;
   static constexpr std::size_t part_size = size / num_parts;
@@ -39,7 +39,7 @@ struct Pack {
   Pack() = default;
   Pack(Real a) noexcept : Pack(a, a, a, a) {}
   Pack(Real a, Real b, Real c, Real d) noexcept {
-#ifdef __AVX__
+#if defined(__AVX__) && !defined(GODOBJECT_REAL)
     parts = {Part{a, b, c, d}};
 #else
     parts = {Part{a, b}, Part{c, d}};
@@ -102,7 +102,7 @@ Eigen::Matrix<T, 3, 1> select(const Condition& condition, const Eigen::Matrix<T,
 
 /// Returns a word whose bit j is set if the condition holds for number j.
 inline std::uint32_t bits(const PackMask& m) noexcept {
-#ifdef __AVX__
+#if defined(__AVX__) && !defined(GODOBJECT_REAL)
   return static_cast<std::uint32_t>(_mm256_movemask_pd(std::bit_cast<__m256d>(m.parts[0])));
 #else
   std::uint32_t b = 0;
@@ -131,7 +131,7 @@ inline Real min(Real a, Real b) noexcept { return std::min(a, b); }
 inline Real largest(const Pack& a) noexcept { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 inline Real total(const Pack& a) noexcept { return (a[0] + a[1]) + (a[2] + a[3]); }
 inline Pack sqrt(const Pack& a) noexcept {
-#ifdef __AVX__
+#if defined(__AVX__) && !defined(GODOBJECT_REAL)
   Pack r;
   r.parts[0] = _mm256_sqrt_pd(a.parts[0]);
   return r;
@@ -143,7 +143,7 @@ inline Pack sqrt(const Pack& a) noexcept {
 /// Returns numbers i, j, k, l of the eight of a and b.
 template <int i, int j, int k, int l>
 Pack shuffled(const Pack& a, const Pack& b) noexcept {
-#ifdef __AVX__
+#if defined(__AVX__) && !defined(GODOBJECT_REAL)
   Pack r;
   r.parts[0] = __builtin_shufflevector(a.parts[0], b.parts[0], i, j, k, l);
   return r;

@@ -14,7 +14,11 @@
 
 namespace godobject {
 
+#ifdef GODOBJECT_REAL  // float, for processors without double precision
+using Real = GODOBJECT_REAL;
+#else
 using Real = double;
+#endif
 
 // T is not deduced from these, so that expressions convert to them.
 template <class T>

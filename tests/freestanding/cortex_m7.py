@@ -13,6 +13,7 @@ import sys
 PACKAGES = {"arm-none-eabi-g++": "gcc-arm-none-eabi", "qemu-system-arm": "qemu-system-arm"}
 FILES = {"/usr/include/newlib/stdint.h": "libnewlib-arm-none-eabi", "/usr/include/newlib/c++": "libstdc++-arm-none-eabi-dev"}
 TOLERANCE = 1e-9  # m, and of components of the quaternion; printed with 12 decimals
+FLOAT_TOLERANCE = 1e-5
 NUM_STEPS, PRINTED_EVERY = 2000, 50
 BODIES = {"rigid": 1, "grasper": 4, "press": 1}
 MAX_FLASH, MAX_RAM = 16 * 1024, 1024  # bytes of follower.elf, without the stack
@@ -80,9 +81,10 @@ def main():
         return 77
     example = source / "docs/examples/microcontroller"
     cache = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    for target, toolchain in (("m7", ["--toolchain", example / "cortex-m7.cmake"]), ("host", [])):
-        run("cmake", "-S", example, "-B", work / target, f"-Dgodobject_DIR={source}/tests/freestanding/from_tree", *cache, *toolchain)
-        run("cmake", "--build", work / target, "--parallel", 2)
+    m7 = ["--toolchain", example / "cortex-m7.cmake"]
+    for target, options, programs in (("m7", m7, ["all"]), ("float", ["-DREAL=float", *m7], ["trace-rigid", "follower"]), ("host", [], ["all"])):
+        run("cmake", "-S", example, "-B", work / target, f"-Dgodobject_DIR={source}/tests/freestanding/from_tree", *cache, *options)
+        run("cmake", "--build", work / target, "--parallel", 2, "--target", *programs)
 
     failed = []
     for scene, num_bodies in BODIES.items():
@@ -109,6 +111,13 @@ def main():
     if flash > MAX_FLASH or ram > MAX_RAM:
         failed.append(f"follower: more than {MAX_FLASH} B of flash or {MAX_RAM} B of RAM")
     run(*QEMU, firmware)
+    flash, ram = flash_and_ram(work / "float/follower.elf")
+    emulated, totals = rows_of(run(*QEMU, work / "float/trace-rigid.elf").stdout)
+    on_host, _ = rows_of(run(work / "host/trace-rigid").stdout)
+    difference = largest_difference(emulated, on_host)
+    print(f"float: rigid {difference:.1e} from double, {totals[2:]}; follower {flash} B of flash, {ram} B of RAM")
+    if not TOLERANCE < difference <= FLOAT_TOLERANCE:
+        failed.append("float: rigid is not that of double, or not of float")
     for image in sorted((work / "m7").glob("*.elf")):
         failed += [f"{image.name}: {found[0]}" for found in REFUSED.finditer(run("arm-none-eabi-nm", image).stdout)]
 

@@ -78,17 +78,18 @@ inline Target motion(const Params<Grasper>&, std::size_t body, Real t) {
   const Real side = body == 2 ? 1 : -1;
   D.V_WD.w += D.X_WD.q * (side * jaw.rate * X);
   D.X_WD.q = D.X_WD.q * turn(X, side * (pi / 9 + jaw.value));
-  const Vec3 to_centre = 0.01 * (D.X_WD.q * Z);
-  D.X_WD.p += 0.15 * z + to_centre;
-  D.V_WD.v += 0.15 * z_dot + D.V_WD.w.cross(to_centre);
+  const Vec3 to_centre = Real(0.01) * (D.X_WD.q * Z);
+  D.X_WD.p += Real(0.15) * z + to_centre;
+  D.V_WD.v += Real(0.15) * z_dot + D.V_WD.w.cross(to_centre);
   return D;
 }
 
 /// Target of `press`: 1 cm below the plane within 0.5 s, rocking about y.
 inline Target motion(const Params<Press>&, std::size_t, Real t) {
-  const Real s = std::min(t / 0.5, Real(1));
+  const Real s = std::min(2 * t, Real(1));
   const Signal rock = sine(t, 0.15, 1, 0);
-  return {.X_WD = {.p = {0, 0, 0.03 - 0.04 * s * s * (3 - 2 * s)}, .q = turn(Vec3::UnitY(), rock.value)},
+  return {.X_WD = {.p = {0, 0, Real(0.03) - Real(0.04) * s * s * (3 - 2 * s)},
+                   .q = turn(Vec3::UnitY(), rock.value)},
           .V_WD = {.w = {0, rock.rate, 0}, .v = {0, 0, s < 1 ? -0.48 * s * (1 - s) : 0}}};
 }
 
@@ -151,7 +152,8 @@ struct Run {
   }
   /// Sets the samples of the devices at the end of a step.
   void sample(int number) {
-    for (std::size_t i = 0; i < num_bodies(par); ++i) in.devices[i].target = motion(par, i, number * par.h);
+    for (std::size_t i = 0; i < num_bodies(par); ++i)
+      in.devices[i].target = motion(par, i, static_cast<Real>(number) * par.h);
   }
 };
 
