@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hal/can/filter.h"
+#include "hal/canopen/canopen.h"
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/bus_load.h"
 #include "hal/rig/params.h"
