@@ -75,7 +75,8 @@ TEST(ContactScenes, BounceLeavesThePlaneAndStaysBelowWhereItBegan) {
   EXPECT_LT(highest_after, 0.05);
 }
 
-/// Thrown at a plane without gravity: the ball leaves at the given share of its speed, with both integrators.
+/// Thrown at a plane without gravity: the ball leaves at the given share of its speed. Implicit Euler damps
+/// its half period by pi / 2 h sqrt(k / m) more, 0.7 % here.
 TEST(ContactScenes, ABallReboundsWithTheRestitutionOfItsKey) {
   for (const char* integrator : {"tr-bdf2", "implicit-euler"})
     for (const double restitution : {0.95, 0.7, 0.4, 0.2, 0.05}) {
@@ -92,7 +93,8 @@ TEST(ContactScenes, ABallReboundsWithTheRestitutionOfItsKey) {
       ASSERT_TRUE(made.session) << made.errors.front();
       CycleRecord record = made.session->at_start();
       for (int n = 0; n < 5000; ++n) made.session->cycle(record);
-      EXPECT_NEAR(record.bodies[0].V_WB.v.z() / 0.5, restitution, 0.004) << integrator;
+      const double tolerance = loaded.scene->integrator == "tr-bdf2" ? 1e-3 : 0.008;
+      EXPECT_NEAR(record.bodies[0].V_WB.v.z() / 0.5, restitution, tolerance) << integrator;
       EXPECT_EQ(record.contacts.deepest, 0) << "it has left";
     }
 }
