@@ -99,7 +99,7 @@ void each_word(Words& words, Record& r) noexcept {
   words(r.rig_faults);
   words(r.engaged);
   each_wrench(words, r.hand_W);
-  for (auto* numbers : {&r.device_q, &r.drive_torque, &r.joint_q})
+  for (auto* numbers : {&r.device_q, &r.drive_torque, &r.drive_energy, &r.joint_q})
     for (auto& x : *numbers) words(x);
   for (auto& sample : r.samples) {
     words(sample.valid);
@@ -171,12 +171,14 @@ CycleRecord record_of(const InputLogSizes& sizes) {
   record.targets.resize(sizes.targets);
   record.device_q.resize(sizes.device_q);
   record.drive_torque.resize(sizes.drives);
+  record.drive_energy.resize(sizes.drives);
   record.joint_q.resize(sizes.joint_q);
   return record;
 }
 
 std::size_t first_output_word(const InputLogSizes& n) noexcept {
-  return scalar_words + std::size_t{n.device_q} + n.drives + n.joint_q + input_words * n.bodies;
+  return scalar_words + std::size_t{n.device_q} + std::size_t{2} * n.drives + n.joint_q +
+         input_words * n.bodies;
 }
 
 std::size_t num_words(const InputLogSizes& n) noexcept {

@@ -39,6 +39,7 @@ CycleRecord record_at(std::uint64_t cycle) {
   record.samples[0].valid = cycle % 7 != 0;
   record.samples[1].joint.q_dot.y() = std::nan("");
   record.device_q[2] = -0.0;
+  record.drive_energy[0] = 1e-6 * record.t;
   record.t_bus_ns = -1;
   record.fault = static_cast<Fault>(cycle % 2);
   return record;
