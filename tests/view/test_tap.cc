@@ -2,6 +2,7 @@
 #include "platform/view/frame.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 
 #include <array>
@@ -79,6 +80,8 @@ TEST_P(TapOf, LeavesTheLoopWithoutAllocationLockSystemCallAndFault) {
   });
   while (frames == 0 && cycle.cycle().left() > num_cycles / 2 && cycle(Wake{}))
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  // as `run` does; otherwise code that was not yet used may have to come from the disk
+  const bool is_locked = mlockall(MCL_CURRENT) == 0;
   rusage before{}, after{};
   getrusage(RUSAGE_THREAD, &before);
   long calls = 0;
@@ -91,11 +94,14 @@ TEST_P(TapOf, LeavesTheLoopWithoutAllocationLockSystemCallAndFault) {
     report = guard.report();
   }
   getrusage(RUSAGE_THREAD, &after);
+  munlockall();
   done = true;
   onlooker.join();
   if (AllocationGuard::works()) {
     EXPECT_EQ(calls, 0) << report;
-    EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
+    if (is_locked) {
+      EXPECT_EQ(after.ru_majflt - before.ru_majflt, 0);
+    }
   }
   EXPECT_GT(frames, 0);
 }
