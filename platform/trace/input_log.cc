@@ -5,6 +5,8 @@
 #include <bit>
 #include <type_traits>
 
+#include "hal/base/crc32.h"
+
 namespace godobject {
 namespace {
 
@@ -121,16 +123,6 @@ void each_word(Words& words, Record& r) noexcept {
   }
 }
 
-constexpr std::array<std::uint32_t, 256> crc32_table = [] {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t byte = 0; byte < 256; ++byte) {
-    std::uint32_t crc = byte;
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xEDB88320u : 0u);
-    table[byte] = crc;
-  }
-  return table;
-}();
-
 std::string head_payload(const InputLogHead& head) {
   std::string out;
   for (const std::string* text : {&head.version, &head.scene_file, &head.scene, &head.composition})
@@ -148,12 +140,6 @@ std::string head_payload(const InputLogHead& head) {
 }
 
 }  // namespace
-
-std::uint32_t crc32(std::string_view bytes) noexcept {
-  std::uint32_t crc = ~0u;
-  for (const char byte : bytes) crc = crc >> 8 ^ crc32_table[(crc ^ static_cast<unsigned char>(byte)) & 0xff];
-  return ~crc;
-}
 
 InputLogSizes sizes_of(const CycleRecord& record) {
   const auto size = [](const auto& vector) { return static_cast<std::uint32_t>(vector.size()); };

@@ -75,9 +75,6 @@ struct EngineState {
   std::vector<std::byte> bytes{};  // see Engine::save()
 };
 
-/// Computes the CRC-32 of IEEE 802.3. Check value of "123456789": CBF43926.
-std::uint32_t crc32(std::string_view bytes) noexcept;
-
 // ---- rows of words ---------------------------------------------------------------------------------
 
 /// Returns the number of words of a row. Outputs of the bodies come last.

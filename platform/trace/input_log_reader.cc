@@ -11,6 +11,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "hal/base/crc32.h"
 #include "platform/trace/input_log.h"
 
 namespace godobject {

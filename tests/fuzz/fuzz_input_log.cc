@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "hal/base/crc32.h"
 #include "platform/trace/input_log.h"
 #include "tests/fuzz/decode.h"
 

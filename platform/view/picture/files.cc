@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/base/crc32.h"
 #include "platform/view/picture/picture.h"
 
 namespace godobject {
@@ -15,21 +16,6 @@ namespace {
 
 void put_u32(std::string& to, std::uint32_t value) {
   for (unsigned shift = 32; shift > 0; shift -= 8) to += static_cast<char>(value >> (shift - 8) & 0xFFu);
-}
-
-std::uint32_t crc32(std::string_view bytes) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> rows{};
-    for (std::uint32_t i = 0; i < rows.size(); ++i) {
-      std::uint32_t c = i;
-      for (int k = 0; k < 8; ++k) c = (c & 1u) != 0 ? 0xEDB88320u ^ (c >> 1u) : c >> 1u;
-      rows[i] = c;
-    }
-    return rows;
-  }();
-  std::uint32_t crc = 0xFFFFFFFFu;
-  for (const char byte : bytes) crc = table[(crc ^ static_cast<std::uint8_t>(byte)) & 0xFFu] ^ (crc >> 8u);
-  return ~crc;
 }
 
 void put_chunk(std::string& to, std::string_view type, std::string_view data) {

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <random>
 
+#include "hal/base/crc32.h"
 #include "platform/scene/toml.h"
 #include "platform/simulated/session.h"
 
