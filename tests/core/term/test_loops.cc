@@ -6,67 +6,10 @@
 #include <cmath>
 #include <memory>
 
-#include "tests/core/contact/contact_scene.h"
+#include "tests/core/term/mechanism.h"
 
 namespace godobject::test_loops {
 namespace {
-
-template <class I, std::size_t N = 6>
-struct Looped {
-  static constexpr std::size_t max_bodies = N;
-  using Integrator = I;
-  using Device = None;
-  using Joints = TreeJoints<JointStops>;
-  using Coupling = None;
-  using Feedback = None;
-  using Contacts = BodyContacts<4, 2, 16>;
-  using Terms = TermList<LoopJoints<4>, DampedSprings<4>>;
-};
-template <class I>
-using Mechanism = Running<Looped<I>>;
-
-/// Rod from p to q in world axes, its x axis along it.
-Pose rod(const Vec3& p, const Vec3& q) {
-  return {.p = (p + q) / 2, .q = Quat::FromTwoVectors(Vec3::UnitX(), q - p)};
-}
-JointFrame frame_on(const Pose& X_WB, const Pose& X_WJ) {
-  return {.p = to_body(X_WB.q, X_WJ.p - X_WB.p), .R = (X_WB.q.conjugate() * X_WJ.q).toRotationMatrix()};
-}
-
-/// Appends a body at X_WB on a joint to the parent, with both frames at X_WJ.
-template <class S>
-std::uint32_t add_link(Running<S>& run, Real m, const Mat3& I_B, const Pose& X_WB, JointKind kind,
-                       std::size_t parent, const Pose& X_WJ) {
-  const std::size_t i = run.par.num_bodies++;
-  run.par.bodies[i].body = rigid_body(m, I_B);
-  place(run.x, i, {.X_WB = X_WB, .V_WB = {}});
-  auto& joint = run.par.bodies[i].joint;
-  joint.kind = kind;
-  joint.parent = parent;
-  joint.P = frame_on(parent == world ? Pose{} : run.x.bodies[parent].x.X_WB, X_WJ);
-  joint.C = frame_on(X_WB, X_WJ);
-  return static_cast<std::uint32_t>(i);
-}
-template <class S>
-void close(Running<S>& run, JointKind kind, std::uint32_t a, std::uint32_t b, const Pose& X_WJ) {
-  auto& loops = run.par.terms.template of<0>();
-  const Pose X_WA = a == TermEnds::on_world ? Pose{} : run.x.bodies[a].x.X_WB;
-  loops.list[loops.size++] = {
-      .kind = kind, .a = a, .b = b, .P = frame_on(X_WA, X_WJ), .C = frame_on(run.x.bodies[b].x.X_WB, X_WJ)};
-}
-
-/// Violation of all loops, m.
-template <class S>
-Real apart(Running<S>& run) {
-  Real most = 0;
-  const auto& loops = run.par.terms.template of<0>();
-  for (std::size_t t = 0; t < loops.size; ++t) {
-    const LoopJointParams& loop = loops.list[t];
-    const TermPlaces<S> at{run.x};
-    most = std::max(most, (at.point(loop.b, loop.C.p) - at.point(loop.a, loop.P.p)).norm());
-  }
-  return most;
-}
 
 constexpr Real a = 0.05, b = 0.12, c = 0.1, d = 0.13;  // crank, coupler, rocker, ground, m
 constexpr Real density = 2;                            // of rods, kg/m
@@ -118,27 +61,8 @@ Real potential(Real theta) {
   for (std::size_t i = 0; i < 3; ++i) V += mass(length[i]) * gravity * at.mid[i].y();
   return V;
 }
-/// Returns the crank's angle at time t: M theta'' = -M' theta'^2 / 2 - V', by Runge and Kutta.
-Real exact_angle(Real t) {
-  const auto acceleration = [](Real theta, Real rate) {
-    const Real e = 1e-4;
-    const Real dM = (effective_inertia(theta + e) - effective_inertia(theta - e)) / (2 * e);
-    const Real dV = (potential(theta + e) - potential(theta - e)) / (2 * e);
-    return (-dM * rate * rate / 2 - dV) / effective_inertia(theta);
-  };
-  constexpr int steps = 8000;
-  const Real h = t / steps;
-  Real q = start_angle, v = 0;
-  for (int n = 0; n < steps; ++n) {
-    const Real k1 = v, l1 = acceleration(q, v);
-    const Real k2 = v + h / 2 * l1, l2 = acceleration(q + h / 2 * k1, v + h / 2 * l1);
-    const Real k3 = v + h / 2 * l2, l3 = acceleration(q + h / 2 * k2, v + h / 2 * l2);
-    const Real k4 = v + h * l3, l4 = acceleration(q + h * k3, v + h * l3);
-    q += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-    v += h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
-  }
-  return q;
-}
+/// Returns the crank's angle at time t.
+Real exact_angle(Real t) { return coordinate_at(t, effective_inertia, potential, start_angle); }
 
 /// A four-bar of rods in gravity, turned by q_W as a whole. kind: of the closing joint.
 template <class I>
