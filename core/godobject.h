@@ -3,6 +3,7 @@
 // Dependencies between the folders: docs/architecture.md.
 #pragma once
 
+#include "core/compiled_step.h"
 #include "core/device/holding.h"
 #include "core/energy.h"
 #include "core/energy_balance.h"

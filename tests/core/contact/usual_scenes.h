@@ -2,8 +2,8 @@
 // capacity would be another step to compile.
 #pragma once
 
+#include "core/compiled_step.h"
 #include "tests/core/contact/bodies/bricks.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject {
 

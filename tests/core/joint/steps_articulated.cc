@@ -1,5 +1,5 @@
+#include "core/compiled_step.h"
 #include "tests/study/joint/tool.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject {
 

@@ -1,8 +1,8 @@
 // The scene of most tests of articulated tools, whose step is compiled once.
 #pragma once
 
+#include "core/compiled_step.h"
 #include "tests/study/joint/tool.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject {
 

@@ -1,8 +1,8 @@
 // The scenes of most tests of nets, whose steps are compiled once.
 #pragma once
 
+#include "core/compiled_step.h"
 #include "tests/core/net/net_scene.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject {
 

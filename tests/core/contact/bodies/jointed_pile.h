@@ -1,9 +1,9 @@
 // Bricks on joints that touch each other: chains, and a gripper.
 #pragma once
 
+#include "core/compiled_step.h"
 #include "tests/core/contact/bodies/bricks.h"
 #include "tests/core/joint/random_tool.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject {
 
