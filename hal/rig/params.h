@@ -9,7 +9,7 @@
 
 #include "hal/can/params.h"
 #include "hal/drive/params.h"
-#include "hal/joint/params.h"
+#include "hal/joint/transmission.h"
 
 namespace godobject {
 
@@ -34,6 +34,7 @@ struct ButtonParams {
 struct RigParams {
   std::vector<BusParams> buses;
   KinematicTreeParams tree;
+  std::vector<TransmissionParams> transmissions{};  // none: each actuator moves its own joint
   std::vector<EncoderParams> encoders;
   std::vector<DriveParams> drives;
   std::vector<ButtonParams> buttons{};
@@ -51,6 +52,14 @@ struct RigParams {
 inline DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noexcept {
   const auto drive = std::ranges::find(rig.drives, bus, &DriveParams::bus);
   return drive == rig.drives.end() ? DriveProtocol::cia402 : drive->protocol;
+}
+
+/// True if the sensors and the drive of a joint turn: on a hinge, and on any actuator of a transmission.
+inline bool is_rotary(const RigParams& rig, const std::string& joint) {
+  const auto moves = [&](const TransmissionParams& t) { return std::ranges::count(t.joints, joint) > 0; };
+  if (std::ranges::any_of(rig.transmissions, moves)) return true;
+  const auto found = std::ranges::find(rig.tree.joints, joint, &DeviceJoint::name);
+  return found == rig.tree.joints.end() || found->kind == DeviceJointKind::hinge;
 }
 
 }  // namespace godobject

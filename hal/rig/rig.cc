@@ -35,7 +35,7 @@ std::uint64_t longest_measurement(const RigParams& params, double cycle_s, std::
 }  // namespace
 
 Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses)
-    : params_(params), tree_(params.tree) {
+    : params_(params), tree_(params.tree), transmission_(params.transmissions, params.tree.joints) {
   assert(validate(params, cycle_s).empty() && buses.size() == params.buses.size());
   for (std::size_t i = 0; i < buses.size(); ++i) {
     const std::uint64_t longest = longest_measurement(params, cycle_s, i);
@@ -180,6 +180,8 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
     out.fresh = measured_anew(static_cast<std::size_t>(i), joint) && out.fresh;
     out.t_ns = std::min(out.t_ns, joint.t_ns);
   }
+  out.q = transmission_.joints(out.q);
+  out.q_dot = transmission_.joints(out.q_dot);
   configuration_ = tree_.at(out.q);
   for (std::size_t i = 0; i < num_handles(); ++i) {
     out.handles[i] = {configuration_.X_WH(i), configuration_.twist(i, out.q_dot)};
@@ -204,7 +206,7 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   CommandReport report;
   if (state_ == RigState::off) return report;
   now_ns_ = now;
-  JointVector tau = configuration_.joint_torques(F_hand_W);
+  JointVector tau = transmission_.actuator_torques(configuration_.joint_torques(F_hand_W));
   if (!tau.allFinite()) raise({.fault = RigFault::command_not_finite});
   if (state_ != RigState::armed) tau.setZero();
   for (std::size_t i = 0; i < drives_.size(); ++i) {

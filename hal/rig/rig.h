@@ -20,6 +20,7 @@
 #include "hal/joint/encoder.h"
 #include "hal/joint/kinematic_tree.h"
 #include "hal/joint/sync_attribution.h"
+#include "hal/joint/transmission.h"
 #include "hal/rig/fault.h"
 #include "hal/rig/node.h"
 #include "hal/rig/passivity_controller.h"
@@ -125,7 +126,8 @@ class Rig {
   /// Supervises, then returns the handles. State changes and faults happen here, after the answers are in,
   /// because a late host is no fault of the device.
   DeviceSample read(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
-  /// Sends one command to every drive: tau = sum of J^T F at the pose of the last read(), zero unless armed.
+  /// Sends one command to every drive: tau = M^T sum of J^T F at the pose of the last read(), zero unless
+  /// armed. M: transmission.
   /// F_hand_W: wrench of the device on the hand for each handle, world axes, about the handle's origin, N m
   /// and N; missing ones are zero. Components on joints without a drive are not displayed. Call it in every
   /// cycle and state: it also carries the controlwords.
@@ -186,7 +188,7 @@ class Rig {
     std::uint64_t every_nth_sync;
     AnswerDelay delay;
     std::uint64_t answered_sync = 0;
-    double motor_per_joint = 1;    // torque of the motor for a torque at the joint
+    double motor_per_joint = 1;    // torque of the motor for a torque at the joint or actuator
     bool request_refused = false;  // true if the bus refused the request of this cycle
     double max_slip = 0;           // rad or m; 0: not compared with an encoder
     double apart = 0;              // the joint's encoder minus its position, as before ready; rad or m
@@ -273,12 +275,13 @@ class Rig {
 
   const RigParams& params_;
   KinematicTree tree_;
+  Transmission transmission_;
   std::vector<Bus> buses_;
   std::vector<RigNode> nodes_;
   std::vector<EncoderOnBus> encoders_;
   std::vector<DriveOnBus> drives_;
   std::vector<ButtonOnBus> buttons_;
-  /// Sampling of a joint's sensor, and its state at the last read().
+  /// Sampling of the sensor of a joint, or of its actuator, and its state at the last read().
   struct Measured {
     std::uint64_t every_nth_sync = 1;
     Nanoseconds t_ns = 0;         // time of the sample

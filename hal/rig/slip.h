@@ -20,10 +20,8 @@ inline double allowed_slip(const RigParams& rig, const DriveParams& drive) {
   const auto encoder = std::ranges::find(rig.encoders, drive.joint, &EncoderParams::joint);
   if (encoder == rig.encoders.end()) return 0;
   if (drive.max_slip) return *drive.max_slip;
-  const auto joint = std::ranges::find(rig.tree.joints, drive.joint, &DeviceJoint::name);
-  const bool hinge = joint == rig.tree.joints.end() || joint->kind == DeviceJointKind::hinge;
-  return (hinge ? hinge_slack_rad : slider_slack_m) + slip_counts / encoder->calibration.counts_per_unit +
-         slip_counts / drive.calibration.counts_per_unit;
+  return (is_rotary(rig, drive.joint) ? hinge_slack_rad : slider_slack_m) +
+         slip_counts / encoder->calibration.counts_per_unit + slip_counts / drive.calibration.counts_per_unit;
 }
 
 }  // namespace godobject

@@ -21,6 +21,8 @@ class Checker {
     check_timing();
     check_joints();
     check_handles();
+    for (const std::string& error : validate(rig_.transmissions, rig_.tree.joints))
+      errors_.push_back("transmission: " + error);
     for (const EncoderParams& encoder : rig_.encoders) check_encoder(encoder);
     for (const DriveParams& drive : rig_.drives) check_drive(drive);
     for (const ButtonParams& button : rig_.buttons) check_button(button);

@@ -70,12 +70,13 @@ int delay_of(const RigParams& rig, const DriveParams& drive) {
   return 1 + (own_sensor ? drive.status_every_nth_sync - 1 : 0);
 }
 
-/// Returns the largest eigenvalue of N scaled by the joints' own damping; up to 1 the joints are passive.
-double largest_share(const Matrix& needed, const Eigen::VectorXd& damping) {
+/// Returns the largest eigenvalue of N scaled by the axes' own damping; up to 1 the axes are passive.
+double largest_share(const Matrix& needed, const Matrix& damping) {
   if (needed.isZero(0)) return 0;
-  if (!(damping.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd scale = damping.cwiseSqrt().cwiseInverse();
-  return spectral_radius(scale.asDiagonal() * needed * scale.asDiagonal());
+  const Eigen::LLT<Matrix> factor(damping);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  const Matrix half = factor.matrixL().solve(needed);
+  return spectral_radius(factor.matrixL().solve(Matrix(half.transpose())));
 }
 
 template <class... Args>
@@ -149,36 +150,41 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
     B += at_joints(at.jacobian(i), gains.g_r, gains.g);
   }
   if (K.isZero(0) && B.isZero(0)) return result;
+  const Transmission transmission(rig.transmissions, rig.tree.joints);
+  const auto at_actuators = [&](double JointPlant::*number) {
+    Matrix A = Matrix::Zero(num_joints, num_joints);
+    for (Eigen::Index i = 0; i < num_joints; ++i)
+      A(i, i) = scene.device->plant.of(rig.tree.joints[static_cast<std::size_t>(i)].name).*number;
+    return transmission.at_actuators(A);
+  };
+  K = transmission.at_actuators(K);
+  B = transmission.at_actuators(B);
+  const Matrix M = at_actuators(&JointPlant::inertia), D = at_actuators(&JointPlant::damping),
+               K_hand = at_actuators(&JointPlant::hand_stiffness),
+               D_hand = at_actuators(&JointPlant::hand_damping);
 
   std::vector<Eigen::Index> driven;
   for (const DriveParams& drive : rig.drives) {
     const auto j =
         std::ranges::find(rig.tree.joints, drive.joint, &DeviceJoint::name) - rig.tree.joints.begin();
-    const bool hinge = rig.tree.joints[static_cast<std::size_t>(j)].kind == DeviceJointKind::hinge;
-    const JointPlant& plant = scene.device->plant.of(drive.joint);
     JointMargin margin{.joint = drive.joint,
-                       .hinge = hinge,
-                       .axis = {.inertia = plant.inertia,
-                                .damping = plant.damping,
+                       .hinge = is_rotary(rig, drive.joint),
+                       .axis = {.inertia = M(j, j),
+                                .damping = D(j, j),
                                 .K = K(j, j),
                                 .B = B(j, j),
                                 .period_s = scene.step,
                                 .delay = delay_of(rig, drive)}};
     margin.stable_alone = growth_per_period(margin.axis) <= stable_growth;
-    margin.stable_held =
-        growth_per_period(margin.axis, plant.hand_stiffness, plant.hand_damping) <= stable_growth;
+    margin.stable_held = growth_per_period(margin.axis, K_hand(j, j), D_hand(j, j)) <= stable_growth;
     result.joints.push_back(margin);
     driven.push_back(j);
   }
   int delay = 0;
-  Eigen::VectorXd damping(static_cast<Eigen::Index>(driven.size()));
-  for (std::size_t i = 0; i < driven.size(); ++i) {
-    delay = std::max(delay, result.joints[i].axis.delay);
-    damping[static_cast<Eigen::Index>(i)] = result.joints[i].axis.damping;
-  }
+  for (const JointMargin& joint : result.joints) delay = std::max(delay, joint.axis.delay);
   if (driven.empty()) return result;
-  result.worst_direction =
-      largest_share(scene.step * (0.5 + delay) * K(driven, driven) + Matrix(B(driven, driven)), damping);
+  result.worst_direction = largest_share(
+      scene.step * (0.5 + delay) * K(driven, driven) + Matrix(B(driven, driven)), D(driven, driven));
   return result;
 }
 

@@ -78,7 +78,7 @@ struct CycleRecord {
   std::vector<double>
       joint_q;  // coordinates of the scene's joints, one joint after the other; turns are counted
   std::vector<double> device_q;  // coordinates of the device's joints; NaN while unknown
-  // commanded torque, N m, or force, N, at the joint, one per RigParams::drives
+  // commanded torque at the motor's shaft, N m, one per RigParams::drives
   std::vector<double> drive_torque;
   std::vector<double> drive_energy;  // generated energy of each drive's axis, J: Rig::generated_energy_J()
   // Inputs of the engine, and the hash of its state after the step: see Session::list_inputs().

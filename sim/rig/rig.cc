@@ -84,6 +84,7 @@ SimRig::SimRig(const SimRigConfig& config, double cycle_s, std::shared_ptr<const
       cycle_s_(cycle_s),
       hand_(std::move(hand)),
       tree_(params_.tree),
+      transmission_(params_.transmissions, params_.tree.joints),
       ik_(params_.tree),
       ik_target_(config.target) {
   for (std::size_t i = 0; i < params_.buses.size(); ++i) {
@@ -148,7 +149,7 @@ void SimRig::add_drive(const DriveParams& d, const std::optional<NodeProfile>& d
   drives_.push_back({.node = std::move(node),
                      .motor = motor,
                      .joint = joint_named(d.joint),
-                     .joint_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad,
+                     .actuator_torque_per_motor_Nm = d.sign / d.joint_per_motor_rad,
                      .fault_node = fault_node});
 }
 
@@ -235,9 +236,11 @@ std::optional<Nanoseconds> SimRig::next_event() const noexcept {
 
 void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
   faults_.run(t, motion_time);
+  JointVector tau = JointVector::Zero(plant_->q().size());
   for (const DriveAt& d : drives_)
-    plant_->set_motor_torque(static_cast<std::size_t>(d.joint),
-                             d.motor->applied_torque_Nm() * d.joint_torque_per_motor_Nm);
+    tau[d.joint] = d.motor->applied_torque_Nm() * d.actuator_torque_per_motor_Nm;
+  tau = transmission_.joint_torques(tau);
+  for (Eigen::Index i = 0; i < tau.size(); ++i) plant_->set_motor_torque(static_cast<std::size_t>(i), tau[i]);
   const JointTarget hand = hand_at(motion_time);
   plant_->advance(t, hand.q, hand.q_dot);
   show_joints();
@@ -245,10 +248,12 @@ void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
 }
 
 void SimRig::show_joints() noexcept {
-  for (const EncoderAt& e : encoders_) faults_.move(e.fault_node, plant_->q()[e.joint]);
-  for (const DriveAt& d : drives_) faults_.move(d.fault_node, plant_->q()[d.joint]);
+  const JointVector a = transmission_.actuators(plant_->q()),
+                    a_dot = transmission_.actuators(plant_->q_dot());
+  for (const EncoderAt& e : encoders_) faults_.move(e.fault_node, a[e.joint]);
+  for (const DriveAt& d : drives_) faults_.move(d.fault_node, a[d.joint]);
   for (const EncoderAt& e : encoders_) e.node->set_position(faults_.shown(e.fault_node));
-  for (const DriveAt& d : drives_) d.motor->set_joint(faults_.shown(d.fault_node), plant_->q_dot()[d.joint]);
+  for (const DriveAt& d : drives_) d.motor->set_joint(faults_.shown(d.fault_node), a_dot[d.joint]);
 }
 
 Target SimRig::handle(std::size_t index) const noexcept {

@@ -8,6 +8,7 @@
 
 #include "hal/canopen/node_profile.h"
 #include "hal/joint/inverse_kinematics.h"
+#include "hal/joint/transmission.h"
 #include "hal/rig/bus_load.h"
 #include "hal/rig/link.h"
 #include "hal/rig/simulation.h"
@@ -98,7 +99,7 @@ class SimRig {
     std::unique_ptr<SimNode> node;
     SimMotor* motor;  // same object as node
     Eigen::Index joint;
-    double joint_torque_per_motor_Nm;
+    double actuator_torque_per_motor_Nm;
     std::size_t fault_node;
   };
 
@@ -124,6 +125,7 @@ class SimRig {
   double cycle_s_;
   std::shared_ptr<const Hand> hand_;
   KinematicTree tree_;
+  Transmission transmission_;
   InverseKinematics ik_;
   std::size_t ik_target_ = 0;  // target of the hand that ik_ follows
   bool reachable_ = true;

@@ -289,6 +289,34 @@ void visit_joints(V& v, std::vector<DeviceJoint>& joints, RigNames& names) {
       });
 }
 
+/// Visits the transmissions. Sensors and drives of their joints turn, also those of sliders.
+template <class V>
+void visit_transmissions(V& v, RigNames& names, RigParams& rig) {
+  v.tables(
+      TableKey{"transmission",
+               "Cables and discs that couple joints, q = M a. The drive and the encoder that name the i-th "
+               "joint are on the i-th actuator: their counts, limits and slip are those of a_i."},
+      rig.transmissions, [&](auto& t, TransmissionParams& m) {
+        t.value(Key{.name = "joints", .unit = "", .meaning = "its joints, in order", .required = true},
+                m.joints);
+        t.value(Key{.name = "joint_per_actuator",
+                    .unit = "rad/rad or m/rad",
+                    .meaning = "matrix M, a row for each of its joints; torques of actuators are M^T tau",
+                    .required = true},
+                m.joint_per_actuator);
+        if (!t.understood("joints") || !t.understood("joint_per_actuator")) return;
+        for (const std::string& error : validate(std::span(&m, 1), rig.tree.joints))
+          t.check(false, "", error);
+      });
+  for (const TransmissionParams& m : rig.transmissions) {
+    for (const std::string& joint : m.joints) {
+      const auto index =
+          static_cast<std::size_t>(std::ranges::find(names.joints, joint) - names.joints.begin());
+      if (index < names.kinds.size()) names.kinds[index] = DeviceJointKind::hinge;
+    }
+  }
+}
+
 template <class V>
 void visit_handle(V& v, const RigNames& names, HandleParams& h) {
   choose(v, Key{.name = "body", .unit = "", .meaning = "coupled body whose target it is", .required = true},
@@ -401,7 +429,8 @@ void check_protocols(V& v, const RigParams& rig) {
 
 /// True if a rig measures the joints, at least in part; without a rig only a motion moves them.
 inline bool has_parts_on_buses(const RigParams& rig) {
-  return !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty();
+  return !rig.encoders.empty() || !rig.drives.empty() || !rig.buttons.empty() || !rig.buses.empty() ||
+         !rig.transmissions.empty();
 }
 
 template <class V>
@@ -455,11 +484,13 @@ PartsOfDevice visit_rig(V& v, PartsOfDevice given, const SceneConfig& scene, std
   RigNames names{.bodies = std::move(bodies), .buses = {}, .joints = {}, .kinds = {}};
   for (const BusParams& bus : rig.buses) names.buses.push_back(bus.name);
   visit_joints(v, rig.tree.joints, names);
-  const bool has_more = v.has("handle") || v.has("encoder") || v.has("drive") || v.has("button");
+  const bool has_more =
+      v.has("handle") || v.has("encoder") || v.has("drive") || v.has("button") || v.has("transmission");
   std::vector<HandleParams> of_scene;
   if (has_more && rig.tree.joints.empty() && !scene.joints.empty())
     of_scene = take_joints_of_tool(v, scene, names, rig.tree.joints);
   visit_handles(v, names, handle, of_scene, rig.tree.handles);
+  visit_transmissions(v, names, rig);
   visit_nodes(v, names, rig);
   if (has_supervision || has_parts_on_buses(rig)) {
     check_rig(v, rig);

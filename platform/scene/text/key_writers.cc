@@ -35,6 +35,12 @@ void TomlWriter::value(const Key& key, const std::vector<std::string>& x) {
   line(key, "[" + text + "]");
 }
 
+void TomlWriter::value(const Key& key, const std::vector<std::vector<double>>& x) {
+  std::string text;
+  for (const std::vector<double>& row : x) text += (text.empty() ? "" : ", ") + array(row);
+  line(key, "[" + text + "]");
+}
+
 void TomlWriter::inertia(const Key& key, const Mat3& I) {
   if (I.isDiagonal(0)) {
     value(key, Vec3(I.diagonal()));

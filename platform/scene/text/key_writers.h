@@ -28,6 +28,7 @@ class TomlWriter {
     if (x) value(key, *x);
   }
   void value(const Key& key, const std::vector<std::string>& x);
+  void value(const Key& key, const std::vector<std::vector<double>>& x);
   template <std::integral T>
   void value(const Key& key, T x) {
     line(key, std::to_string(x));
@@ -98,6 +99,7 @@ class KeyReference {
   }
   void value(const Key& key, const std::optional<Vec3>&) { row(key, "vector", ""); }
   void value(const Key& key, const std::vector<std::string>&) { row(key, "strings", ""); }
+  void value(const Key& key, const std::vector<std::vector<double>>&) { row(key, "matrix", ""); }
   template <std::integral T>
   void value(const Key& key, T x) {
     row(key, "integer", std::to_string(x));

@@ -292,6 +292,24 @@ void TomlReader::attitude(const Key& key, Quat& q) {
   q = std::abs(read.norm() - 1) > rounding ? Quat(read.normalized()) : read;
 }
 
+void TomlReader::value(const Key& key, std::vector<std::vector<double>>& x) {
+  const toml::node* node = find(key);
+  if (!node) return;
+  const toml::array* rows = node->as_array();
+  const toml::array* first = rows && !rows->empty() ? rows->get(0)->as_array() : nullptr;
+  if (!first) {
+    error(*node, sentence(key.name, "must be a matrix: an array of rows, as [[1, 0], [0, 1]]"));
+    return;
+  }
+  std::vector<std::vector<double>> read;
+  for (const toml::node& row : *rows) {
+    std::vector<double> values = numbers(key, row, first->size());
+    if (values.empty()) return;
+    read.push_back(std::move(values));
+  }
+  x = std::move(read);
+}
+
 std::optional<Mat3> TomlReader::matrix(const Key& key, const toml::node& node) {
   const toml::array* rows = node.as_array();
   if (!rows || rows->size() != 3) {

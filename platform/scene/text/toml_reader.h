@@ -30,6 +30,8 @@ class TomlReader {
   void value(const Key& key, std::optional<double>& x);
   void value(const Key& key, std::optional<Vec3>& x);
   void value(const Key& key, std::vector<std::string>& x);
+  /// Reads rows of numbers, of one length.
+  void value(const Key& key, std::vector<std::vector<double>>& x);
   template <std::integral T>
   void value(const Key& key, T& x) {
     if (const std::optional<std::int64_t> n = integer(key)) x = static_cast<T>(*n);
