@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/compiled_step.h"
+#include "core/device/cues.h"
 #include "core/device/holding.h"
 #include "core/energy.h"
 #include "core/energy_balance.h"

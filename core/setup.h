@@ -45,6 +45,9 @@ bool is_valid(const Absent<slot>&) noexcept {
 inline bool is_valid(const RampParams& par) noexcept {
   return is_gain(par.rise) && is_gain(par.lost) && is_gain(par.stale);
 }
+inline bool is_valid(const RelativeDevice::Params& par) noexcept {
+  return is_valid(static_cast<const RampParams&>(par)) && is_gain(par.display_ratio);
+}
 inline bool is_valid(const SpringParams& par) noexcept {
   return is_gain(par.k) && is_gain(par.g) && is_gain(par.k_r) && is_gain(par.g_r);
 }

@@ -189,7 +189,9 @@ struct PoseDevice {
 
 /// Device with increments of pose and a clutch: a mouse, or an arm whose workspace is too small.
 struct RelativeDevice {
-  using Params = RampParams;
+  struct Params : RampParams {
+    Real display_ratio = 1;  // shift of the target for a shift of the device; below 1 the tool seems heavier
+  };
   using State = DeviceState;
   struct Input {
     Vec3 dp_W = Vec3::Zero();    // shift since the last sample, m
@@ -206,11 +208,12 @@ struct RelativeDevice {
     d.from = d.fresh && !gap_ends ? Target{.X_WD = body.X_WB, .V_WD = {}} : x.last;
     d.to.X_WD = d.from.X_WD;
     if (gap_ends) {
-      d.to = after_gap(in, x, h);
+      d.to = after_gap(par, in, x, h);
       if (d.fresh) d.from = d.to;
     } else if (in.clutch && in.valid && x.held == 0) {
-      d.to.X_WD = displaced(d.from.X_WD, in.dp_W, in.dphi_W);
-      d.to.V_WD = {.w = in.dphi_W / h, .v = in.dp_W / h};
+      const Vec3 dp_W = par.display_ratio * in.dp_W;
+      d.to.X_WD = displaced(d.from.X_WD, dp_W, in.dphi_W);
+      d.to.V_WD = {.w = in.dphi_W / h, .v = dp_W / h};
     } else if (!in.valid && d.gap.bridged && !d.fresh) {
       d.to = extrapolated_target(x.last, h);
     }
@@ -221,12 +224,12 @@ struct RelativeDevice {
   /// Returns the target after a gap. The increments cover the whole gap; the part that the bridge
   /// extrapolated is subtracted if the target still moves. After a gap longer than a grip lasts they are
   /// dropped, and the device engages at the body's place.
-  static Target after_gap(const Input& in, const State& x, Real h) noexcept {
+  static Target after_gap(const Params& par, const Input& in, const State& x, Real h) noexcept {
     const Real bridged = std::min(x.held, bridged_steps * h), since = x.held + h, open = in.clutch ? 1 : 0;
-    const Vec3 dp_W = open * in.dp_W - bridged * x.last.V_WD.v,
-               dphi_W = open * in.dphi_W - bridged * x.last.V_WD.w;
+    const Vec3 shift_W = open * par.display_ratio * in.dp_W;
+    const Vec3 dp_W = shift_W - bridged * x.last.V_WD.v, dphi_W = open * in.dphi_W - bridged * x.last.V_WD.w;
     return {.X_WD = displaced(x.last.X_WD, dp_W, dphi_W),
-            .V_WD = {.w = (open / since) * in.dphi_W, .v = (open / since) * in.dp_W}};
+            .V_WD = {.w = (open / since) * in.dphi_W, .v = shift_W / since}};
   }
 };
 

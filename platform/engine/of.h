@@ -15,7 +15,7 @@ namespace godobject {
 /// product with one device names that in its scene type and has no code for the others.
 struct AnyDevice {
   enum class Kind : std::uint8_t { pose, holding, relative, admittance };
-  struct Params : RampParams {
+  struct Params : RelativeDevice::Params {
     Kind kind = Kind::pose;
   };
   using State = HoldingState;
@@ -129,6 +129,7 @@ Params<S> params_of(const SceneConfig& scene) {
                               .max_torque_rate = limits.torque_rate};
     par.bodies[i].device.kind = kind_of(scene);
     par.bodies[i].device.rise = ramp_of(scene, limits);
+    par.bodies[i].device.display_ratio = scene.device ? scene.device->display_ratio : 1;
     if (scene.device && scene.device->rig) par.bodies[i].device.stale = scene.device->rig->stale_after_s;
   }
   if constexpr (uses<typename S::Joints>) {

@@ -66,6 +66,7 @@ struct SpaceMouseConfig {
 struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
+  double display_ratio = 1;             // shift of a relative device's target for a shift of the device
   bool controls_passivity = true;       // each drive without margin has a passivity controller
   std::string holds{};                  // name of the body held at the start; empty: none
   std::optional<double> grab_radius{};  // m, reach of nearest_body, from the device to a centre of mass

@@ -66,7 +66,7 @@ void encode(const ViewSample& sample, std::span<const std::size_t> driven, std::
   to.put(static_cast<std::uint32_t>(sample.counters.frames));
   to.put(static_cast<std::uint32_t>(sample.counters.incomplete_syncs));
   to.put(static_cast<std::uint32_t>(record.contacts.num_contacts)).put(record.contacts.deepest);
-  to.put(static_cast<std::uint32_t>(num_values));
+  to.put(static_cast<std::uint32_t>(num_values)).put(sample.impact_speed).put(sample.num_impacts);
   for (const BodyView& body : record.bodies) to.put(body.X_WB);
   for (const std::size_t i : driven) {
     const BodyView& body = record.bodies[i];

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/device/cues.h"
 #include "hal/base/codec.h"
 #include "hal/joint/kinematic_tree.h"
 #include "platform/session/session.h"
@@ -62,6 +63,8 @@ struct ViewSample {
   bool missed_deadlines = false;  // latched
   RigCounters counters;
   Nanoseconds wake_ns = 0;            // longest wake-up latency since the previous sample
+  double impact_speed = 0;            // fastest impact of a body since the previous sample, m/s
+  std::uint32_t num_impacts = 0;      // contacts of bodies that began since then
   std::vector<ContactView> touching;  // storage for all contacts; the first num_touching are valid
   std::size_t num_touching = 0;
   bool paused = false;            // by a page: see ViewPace
@@ -96,15 +99,17 @@ class ViewPace {
   Nanoseconds due_ = 0;  // time of the next period of a slow run
 };
 
-/// Copies the record of a period out of the loop on request. The loop's end is real-time: one atomic load
-/// without a request, else a copy without allocation.
+/// Copies the record of a period out of the loop on request. The loop's end is real-time: the bodies' contact
+/// events and one atomic load without a request, else a copy without allocation.
 class ViewTap {
  public:
   /// paced: true if pages may pause the run.
-  explicit ViewTap(const Session& session, bool paced = false) : latest_(like(session)), paced_(paced) {}
+  explicit ViewTap(const Session& session, bool paced = false)
+      : latest_(like(session)), cues_(session.scene().bodies.size()), paced_(paced) {}
 
   /// For the loop, after each period. record: record of the last step so far.
   void offer(const Session& session, const CycleRecord& record) noexcept {
+    observe_impacts(record);
     if (!latest_.wanted()) return;
     ViewSample& sample = latest_.slot();
     loop::copy(sample.record, record);
@@ -112,6 +117,8 @@ class ViewTap {
     sample.missed_deadlines = session.missed_deadlines();
     sample.counters = session.rig_counters();
     sample.wake_ns = std::exchange(wake_ns_, 0);
+    sample.impact_speed = std::exchange(impact_speed_, 0);
+    sample.num_impacts = std::exchange(num_impacts_, 0);
     sample.paused = paced_ && pace_.paused();
     sample.num_touching = session.engine().contacts(sample.touching);
     session.engine().net_nodes(sample.net_nodes);
@@ -139,7 +146,19 @@ class ViewTap {
     return sample;
   }
 
+  void observe_impacts(const CycleRecord& record) noexcept {
+    for (std::size_t i = 0; i < std::min(cues_.size(), record.bodies.size()); ++i) {
+      const double speed = cues_[i].observe(record.bodies[i].contact_W, record.bodies[i].V_WB);
+      if (speed < 0) continue;
+      impact_speed_ = std::max(impact_speed_, speed);
+      ++num_impacts_;
+    }
+  }
+
   Latest<ViewSample> latest_;
+  std::vector<ContactCue> cues_;  // one per body
+  double impact_speed_ = 0;
+  std::uint32_t num_impacts_ = 0;
   ViewPace pace_;
   bool paced_;
   Nanoseconds wake_ns_ = 0;
@@ -151,7 +170,7 @@ inline constexpr std::uint32_t frame_magic = 0x46564F47;    // "GOVF"
 inline constexpr std::uint32_t pointer_magic = 0x50564F47;  // "GOVP"
 inline constexpr std::uint32_t pace_magic = 0x43564F47;     // "GOVC"
 inline constexpr std::uint16_t view_version = 1;
-inline constexpr std::size_t frame_header_bytes = 124, frame_body_bytes = 28, frame_driven_bytes = 76,
+inline constexpr std::size_t frame_header_bytes = 132, frame_body_bytes = 28, frame_driven_bytes = 76,
                              frame_contact_bytes = 44, frame_vertex_bytes = 12, frame_value_bytes = 4,
                              pointer_bytes = 40;
 /// Further contacts are counted and not sent.

@@ -87,7 +87,7 @@ TEST(Frame, HasTheDocumentedLayout) {
     const std::vector<std::size_t> children{num_bodies - 1};
     std::vector<std::uint8_t> bytes;
     encode(sample, driven, vertices, bytes, children);
-    const std::size_t values = 124 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * vertices.size();
+    const std::size_t values = 132 + 28 * num_bodies + 76 + 44 * num_contacts + 12 * vertices.size();
     ASSERT_EQ(bytes.size(), values + 4 * 8);
     EXPECT_EQ(at<std::uint32_t>(bytes, 120), 8u);
     const std::array<float, 8> expected{0.5F, -0.25F, 2, 3, 5, 13, 10, 0};
@@ -95,7 +95,7 @@ TEST(Frame, HasTheDocumentedLayout) {
       EXPECT_EQ(at<float>(bytes, values + 4 * i), expected[i]) << i;
     EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "GOVF");
     EXPECT_EQ(at<std::uint16_t>(bytes, 4), 1);
-    EXPECT_EQ(at<std::uint16_t>(bytes, 6), 124);
+    EXPECT_EQ(at<std::uint16_t>(bytes, 6), 132);
     EXPECT_EQ(at<std::uint64_t>(bytes, 8), sample.record.cycle);
     EXPECT_EQ(at<double>(bytes, 16), sample.record.t);
     EXPECT_EQ(bytes[24], 2);
@@ -109,9 +109,9 @@ TEST(Frame, HasTheDocumentedLayout) {
     EXPECT_EQ(at<std::uint32_t>(bytes, 48), num_contacts);
     EXPECT_EQ(at<std::uint32_t>(bytes, 52), 3u);
     expect_vector(bytes, 80, sample.record.hand_W.f);
-    expect_vector(bytes, 124 + 28 * (num_bodies - 1), sample.record.bodies.back().X_WB.p);
+    expect_vector(bytes, 132 + 28 * (num_bodies - 1), sample.record.bodies.back().X_WB.p);
     const BodyView& tool = sample.record.bodies[driven.front()];
-    const std::size_t after_bodies = 124 + 28 * num_bodies;
+    const std::size_t after_bodies = 132 + 28 * num_bodies;
     expect_vector(bytes, after_bodies, tool.target.X_WD.p);
     expect_vector(bytes, after_bodies + 12, Vec3(tool.target.X_WD.q.vec()));
     EXPECT_EQ(at<float>(bytes, after_bodies + 24), static_cast<float>(tool.target.X_WD.q.w()));

@@ -174,8 +174,24 @@ def test_pictures_films_and_a_contact_sheet_are_files(browser, folder):
         assert not page.errors(), page.errors()
 
 
+def test_sound_of_impacts_and_distance(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", "--bus", "direct", "--fast", "--duration", "1000000", folder=folder) as run:
+        page = Page(browser, run.url)
+        page.wait("godobject.state.frame?.numImpacts > 0", "the tool meets the wall")
+        assert page.js("godobject.cues.knocks") == 0 and not page.js("Boolean(godobject.cues.audio)"), "silent until asked"
+        browser.find_element("id", "sound").click()
+        page.wait("godobject.cues.knocks > 0 && godobject.cues.hum > 0", "knocks, and hums while the wall holds the tool")
+        assert 0 < page.js("godobject.cues.loudest") < 1, "m/s"
+        browser.find_element("id", "sound").click()
+        knocks = page.js("godobject.cues.knocks")
+        page.wait("godobject.state.frame.numImpacts > 0", "another impact")
+        assert page.js("godobject.cues.knocks") == knocks
+        assert not page.errors(), page.errors()
+
+
 def main():
     run_in_browser(ARGS.program, tempfile.mkdtemp(prefix="godobject-view-"), (
+        test_sound_of_impacts_and_distance,
         test_a_click_shows_a_body_with_its_curves,
         test_a_run_without_hardware_pauses_steps_and_slows,
         test_a_run_in_wall_time_goes_on_under_a_paused_picture,

@@ -174,10 +174,10 @@ def decode_frame(data):
     magic, version, header, cycle, t, phase, flags, num_driven, fault, limited, rig_fault, held, num_bodies, num_contacts, num_vertices = \
         struct.unpack_from("<IHHQdBBHIIIiIII", data)
     num_values, = struct.unpack_from("<I", data, 120)
-    assert magic == 0x46564F47 and version == 1 and header == 124, data[:8]
-    assert len(data) == 124 + 28 * num_bodies + 76 * num_driven + 44 * num_contacts + 12 * num_vertices + 4 * num_values
-    bodies = [struct.unpack_from("<7f", data, 124 + 28 * i) for i in range(num_bodies)]
-    driven = [struct.unpack_from("<19f", data, 124 + 28 * num_bodies + 76 * i) for i in range(num_driven)]
+    assert magic == 0x46564F47 and version == 1 and header == 132, data[:8]
+    assert len(data) == 132 + 28 * num_bodies + 76 * num_driven + 44 * num_contacts + 12 * num_vertices + 4 * num_values
+    bodies = [struct.unpack_from("<7f", data, 132 + 28 * i) for i in range(num_bodies)]
+    driven = [struct.unpack_from("<19f", data, 132 + 28 * num_bodies + 76 * i) for i in range(num_driven)]
     return {"cycle": cycle, "t": t, "phase": phase, "flags": flags, "fault": fault, "limited": limited, "rig_fault": rig_fault, "held": held,
             "bodies": bodies, "targets": [d[:7] for d in driven], "num_contacts": num_contacts}
 

@@ -527,6 +527,15 @@ template <class V>
 void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& buses, DeviceConfig& d) {
   visit_name(v, "", d.name);
   choose(v, Key{"kind", "", "see Devices above"}, device_kind_names, d.kind);
+  v.value(
+      Key{"display_ratio",
+          "",
+          "relative device: shift of the target for a shift of the device. Below 1 the tool seems heavier "
+          "to the eye; the displayed force is multiplied by it, so that the hand's work is the tool's",
+          {0, 10}},
+      d.display_ratio);
+  v.check(d.display_ratio == 1 || d.kind == DeviceKind::relative, "display_ratio",
+          "has a meaning for a relative device alone: remove it, or set kind to relative");
   visit_grabbing(v, scene, d);
   plain_table(v, TableKey{"limits", "Bounds of the displayed wrench, and ramps."}, [&](auto& t) {
     visit_limits(t, d.limits);

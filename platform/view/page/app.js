@@ -1,5 +1,6 @@
 // The page: connection, display, keys and buttons. window.godobject is for tests and the console.
 import "./app.css";
+import { Cues } from "./cues.js";
 import { Camera } from "./film.js";
 import { Inspector } from "./inspect.js";
 import { Joints } from "./joints.js";
@@ -29,6 +30,7 @@ const send = connect({
     state.lost = "";
     strips.add(frame, state.about.driven);  // also those that are not drawn
     inspector.add(frame);
+    cues.show(frame, state.about.driven);
     player.arrived(frame);
   },
   // after a regular end the server is gone, and that is no loss
@@ -46,6 +48,7 @@ const send = connect({
 });
 
 mark("begun");
+const cues = new Cues();
 const view = new View(by("canvas")), strips = new Strips(by("strips"), RUN_STRIPS);
 mark("set up");
 const state = { about: null, frame: null, arrived: 0, lost: "", ended: false, stale: false, isNew: false, busRate: null };
@@ -108,6 +111,7 @@ function describe() {
 function writeState(now) {
   const { about, frame } = state;
   state.stale = Boolean(frame) && about.live && !state.ended && now - state.arrived > STALE_MS;
+  if (state.stale || state.ended || state.lost) cues.silence();
   document.body.classList.toggle("stale", state.stale || Boolean(state.lost));
   const [text, kind] = describe();
   if (by("phase").textContent !== text) by("phase").textContent = text;
@@ -185,6 +189,7 @@ function writeHand() {
 by("screenshot").onclick = () => camera.screenshot();
 by("film").onclick = () => camera.toggleFilm();
 by("sheet").onclick = () => camera.sheet();
+by("sound").onclick = () => cues.toggle();
 by("grab").onclick = () => pointer.grab();
 by("release").onclick = () => pointer.release();
 by("clutch").onclick = () => { pointer.clutch = !pointer.clutch; };
@@ -197,7 +202,7 @@ const KEYS = {
   g: () => pointer.grab(), Escape: () => pointer.release(), x: () => { pointer.clutch = true; },
   ArrowUp: () => { if (pointer.joints) pointer.joints.direction = 1; }, ArrowDown: () => { if (pointer.joints) pointer.joints.direction = -1; },
   ...Object.fromEntries([..."123456789"].map((digit) => [digit, () => pointer.joints?.select(digit - 1)])),
-  i: () => camera.screenshot(), v: () => camera.toggleFilm(), Home: () => player.reset(),
+  i: () => camera.screenshot(), u: () => cues.toggle(), v: () => camera.toggleFilm(), Home: () => player.reset(),
   "+": () => scaleForces(2), "-": () => scaleForces(0.5),
   " ": () => player.toggle(), ArrowLeft: () => player.step(-1), ArrowRight: () => player.step(1),
 };
@@ -235,6 +240,7 @@ function draw(now) {
     inspector.write(state.frame);
     writeScale();
   }
+  by("sound").setAttribute("aria-pressed", String(cues.on));
   by("film").setAttribute("aria-pressed", String(Boolean(camera.recorder)));
   by("grab").setAttribute("aria-pressed", String(pointer.holds));
   if (pointer.enabled) writeHand();
@@ -247,7 +253,7 @@ function draw(now) {
 }
 
 window.godobject = {
-  state, view, pointer, player, inspector, camera, writeState, drawn: 0,
+  state, view, pointer, player, inspector, camera, cues, writeState, drawn: 0,
   names: () => state.about.bodies.map((body) => body.name),
   body: (name) => [...bodyPose(state.frame, window.godobject.names().indexOf(name))],
   target: (name) => [...targetPose(state.frame, state.about.driven.indexOf(window.godobject.names().indexOf(name)))],

@@ -19,7 +19,7 @@ export function decodeFrame(buffer, at = 0) {
     phase: data.getUint8(24), flags: data.getUint8(25), fault: u32(28), limited: u32(32), rigFault: u32(36),
     held: data.getInt32(40, true), stepUs: f32(56), wakeUs: f32(60), energy: f32(64), balance: f32(68),
     followingM: f32(72), followingRad: f32(76), handForce: [f32(80), f32(84), f32(88)], handTorque: [f32(92), f32(96), f32(100)],
-    busFrames: u32(104), incomplete: u32(108), numTouching: u32(112), deepest: f32(116),
+    busFrames: u32(104), incomplete: u32(108), numTouching: u32(112), deepest: f32(116), impactSpeed: f32(124), numImpacts: u32(128),
     numBodies, numDriven, numContacts, numVertices,
   };
   frame.bodies = floats(numBodies * BODY / 4);
