@@ -1,5 +1,5 @@
-// Cues for a hand without force feedback: how far the tool is from the device, and when and how fast it meets
-// something. Pure functions of a step's output; no part of the step computes them unless a program calls them.
+// Cues for a hand without force feedback: the distance of tool and device, and contact events with their
+// speeds. Pure functions of a step's output, which the step itself never calls.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +22,9 @@ inline Divergence divergence(const Pose& X_WD, const Pose& X_WB) noexcept {
           .angle = rotation_error(X_WB.q, X_WD.q, Vec3::Zero()).phi_B.norm()};
 }
 
-/// Returns the speed, m/s, at which a body runs into what pushes it: the power of the contact wrench at the
-/// velocity before the step, per unit of force. Zero for a body that moves away, and without a force. With
-/// one contact it is the speed of the contact point against the force.
+/// Returns the speed of an impact, m/s: the power of the contact wrench at the velocity before the step, per
+/// unit of force. With one contact it is the speed of the contact point against the force. Zero for a body
+/// that moves away, and without a force.
 /// F_W: contact wrench on the body, about its centre of mass. V_WB: the body's velocity before the step.
 inline Real impact_speed(const Wrench& F_W, const Twist& V_WB) noexcept {
   const Real F = F_W.f.norm();

@@ -1,5 +1,5 @@
-// Sounds for a hand without force: a knock when a body meets something, the louder the faster, and a hum that
-// rises with the distance of the tool from the device. Off until switched on.
+// Sounds for a hand without force. A knock is an impact, the louder the faster; a hum rises with the distance
+// of the tool from the device. Off until switched on.
 import { divergence } from "./strips.js";
 
 const QUIET_M_PER_S = 0.002, LOUD_M_PER_S = 0.5;  // speeds of the quietest and the loudest knock
