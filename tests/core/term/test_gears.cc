@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/core/contact/contact_scene.h"
+#include "tests/core/term/mechanism.h"
 
 namespace godobject::test_gears {
 namespace {
@@ -26,39 +26,6 @@ struct Geared {
 
 template <class I>
 using Mechanism = Running<Geared<I>>;
-
-/// Appends a body on a joint about or along the z axes of the frames at X_W, at rest at coordinate q.
-template <class S>
-void add_body(Running<S>& run, Real m, const Mat3& I_B, JointKind kind, std::size_t parent, const Pose& X_WJ,
-              Real q = 0) {
-  const std::size_t i = run.par.num_bodies++;
-  run.par.bodies[i].body = rigid_body(m, I_B);
-  auto& joint = run.par.bodies[i].joint;
-  joint.kind = kind;
-  joint.parent = parent;
-  const Pose X_WP = parent == world ? Pose{} : run.x.bodies[parent].x.X_WB;
-  joint.P = {.p = to_body(X_WP.q, X_WJ.p - X_WP.p), .R = (X_WP.q.conjugate() * X_WJ.q).toRotationMatrix()};
-  Pose X_WB = X_WJ;
-  if (kind == JointKind::slider) X_WB.p += q * to_world(X_WJ.q, Vec3::UnitZ());
-  else X_WB.q = X_WJ.q * exp_so3(Vec3(0, 0, q));
-  place(run.x, i, {.X_WB = X_WB, .V_WB = {}});
-}
-
-template <class S>
-CoordinateSpringParams& add_spring(Running<S>& run, const CoordinateSpringParams& spring) {
-  auto& springs = run.par.terms.template of<0>();
-  springs.list[springs.size] = spring;
-  return springs.list[springs.size++];
-}
-CoordinateSpringParams gear(std::uint32_t a, std::uint32_t b, Real ratio, Real offset = 0) {
-  return {.of = {{{.body = a, .c = 0, .ratio = -ratio}, {.body = b, .c = 0, .ratio = 1}}},
-          .size = 2,
-          .y_0 = offset,
-          .is_rigid = true};
-}
-CoordinateSpringParams joint_spring(std::uint32_t i, Real k, Real g, Real q_0 = 0) {
-  return {.of = {{{.body = i}, {}}}, .size = 1, .y_0 = q_0, .k = k, .g = g};
-}
 
 template <class S>
 void start(Running<S>& run, Real h) {
@@ -194,27 +161,7 @@ struct Drawn {
 
   explicit Drawn(unsigned seed) {
     Random random(seed);
-    run->par.num_bodies = 0;
-    run->par.gravity_W = 9.81 * random.direction();
-    Pose X;
-    for (std::uint32_t i = 0; i < 6; ++i) {
-      const Real m = random.log_uniform(1e-3, 1), size = random.log_uniform(0.01, 0.1);
-      const Vec3 moments = m * size * size * Vec3(0.3, 0.4, random.uniform(0.2, 0.6));
-      const JointKind kind = random.integer(0, 2) == 0 ? JointKind::slider : JointKind::hinge;
-      const std::size_t parent = i == 0 || random.integer(0, 3) == 0 ? world : i - 1;
-      X = {.p = X.p + 0.05 * random.vector(), .q = random.rotation()};
-      add_body(*run, m, random.inertia(moments), kind, parent, X);
-      run->x.bodies[i].x.X_WB.p = X.p;
-    }
-    for (std::uint32_t i = 0; i < 6; ++i)
-      add_spring(*run, joint_spring(i, random.log_uniform(1e-3, 1e4), random.integer(0, 1) * 1e-3));
-    for (int n = 0; n < 2; ++n) {
-      const auto a = static_cast<std::uint32_t>(random.integer(0, 5)),
-                 b = (a + 1 + 2 * static_cast<std::uint32_t>(n)) % 6;
-      CoordinateSpringParams& one = add_spring(*run, gear(a, b, random.uniform(-3, 3)));
-      one.is_rigid = n == 0;
-      one.k = random.log_uniform(1, 1e6);
-    }
+    draw_gears(*run, random);
     start(*run, random.log_uniform(1e-4, 4e-3));
   }
 };

@@ -28,7 +28,7 @@ std::unique_ptr<Running<Looped<I, 2 * N + 1, N>>> ladder(Real h) {
   for (std::size_t i = 0; i <= N; ++i) {
     const std::uint32_t upright =
         add_link(*run, m, I_B, rod(foot(i), foot(i) + up), JointKind::hinge, world, at(foot(i)));
-    if (i > 0) close(*run, JointKind::hinge, before, upright, at(foot(i) + up));
+    if (i > 0) close_loop(*run, JointKind::hinge, before, upright, at(foot(i) + up));
     if (i == N) break;
     before = add_link(*run, m, I_B, rod(foot(i) + up, foot(i + 1) + up), JointKind::hinge, upright,
                       at(foot(i) + up));
@@ -100,7 +100,7 @@ std::unique_ptr<Running<Looped<I>>> slider_crank(Real h, Real start) {
       add_link(*run, m_rod, thin(m_rod, rod_length), rod(A, B), JointKind::hinge, of_crank, hinge_at(A));
   const auto piston = add_link(*run, m_piston, thin(m_piston, 0.02), hinge_at(B), JointKind::slider, world,
                                {.p = B, .q = turn_from_z(Vec3::UnitX())});
-  close(*run, JointKind::hinge, piston, of_rod, hinge_at(B));
+  close_loop(*run, JointKind::hinge, piston, of_rod, hinge_at(B));
   EXPECT_EQ(validate(run->par), Invalid::nothing);
   start_turns(run->par, run->x);
   return run;

@@ -82,7 +82,7 @@ std::unique_ptr<Mechanism<I>> four_bar(Real h, JointKind kind, const Quat& q_W =
   const std::uint32_t crank = link(a, Vec3::Zero(), at.A, world, Vec3::Zero());
   const std::uint32_t coupler = link(b, at.A, at.B, crank, at.A);
   const std::uint32_t rocker = link(c, O, at.B, world, O);
-  close(*run, kind, coupler, rocker, turned({.p = at.B, .q = Quat::Identity()}));
+  close_loop(*run, kind, coupler, rocker, turned({.p = at.B, .q = Quat::Identity()}));
   EXPECT_EQ(validate(run->par), Invalid::nothing);
   start_turns(run->par, run->x);
   return run;
@@ -138,7 +138,7 @@ TEST(Loops, ClosingJointBearsTheWeight) {
     const Pose X_WB{};
     add_link(*run, 1, Mat3(Vec3(1e-3, 1e-2, 1e-2).asDiagonal()), X_WB, JointKind::hinge, world,
              {.p = Vec3(-0.2, 0, 0), .q = exp_so3(Vec3(pi / 2, 0, 0))});
-    close(*run, JointKind::ball, TermEnds::on_world, 0, {.p = Vec3(0.3, 0, 0), .q = Quat::Identity()});
+    close_loop(*run, JointKind::ball, TermEnds::on_world, 0, {.p = Vec3(0.3, 0, 0), .q = Quat::Identity()});
     run->step(200);
     const Vec3 F = run->out.terms.list[0].f;
     EXPECT_NEAR(F.z(), 9.81 * 0.2 / 0.5, 1e-6) << I::name;
@@ -167,7 +167,7 @@ std::unique_ptr<Mechanism<I>> bricard(Real h) {
     parent = add_link(*run, m, Mat3(Vec3(1e-3 * I_l, I_l, I_l).asDiagonal()), rod(p[i], p[i + 1]),
                       JointKind::hinge, parent, {.p = p[i], .q = turn_from_z(axis[i])});
   }
-  close(*run, JointKind::hinge, TermEnds::on_world, 4, {.p = p[5], .q = turn_from_z(axis[5])});
+  close_loop(*run, JointKind::hinge, TermEnds::on_world, 4, {.p = p[5], .q = turn_from_z(axis[5])});
   EXPECT_EQ(validate(run->par), Invalid::nothing);
   start_turns(run->par, run->x);
   return run;
