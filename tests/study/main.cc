@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "platform/rt/setup.h"
+#include "tests/study/map/command.h"
 #include "tests/study/study.h"
 
 namespace godobject {
@@ -67,6 +68,7 @@ int run(int argc, char** argv) {
   StudyArguments arguments;
   CLI::App app("Measure error against run time, stability, footprint, joints, contacts and nets.",
                "godobject-study");
+  app.footer("Drawn scenes over all parameters: godobject-study stability-map --help");
   app.add_option("PART", arguments.part,
                  "error, stability, footprint, joints, contacts, nets or all (default)")
       ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "nets", "all"}));
@@ -86,6 +88,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc > 1 && std::string(argv[1]) == "stability-map")
+      return godobject::study::run_map_command(argc, argv);
     return godobject::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "study: %s\n", error.what());

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/gain_watch.h"
+#include "tests/study/map/section.h"
 #include "tests/study/peer/section.h"
 #include "tests/study/report/results.h"
 #include "tests/study/report/text.h"
@@ -142,7 +143,8 @@ void write_report(const StudyOptions& options, const StudyResults& results) {
   write_joints(out, results);
   write_contacts(out, results);
   write_nets(out, results.nets);
-  out << peers_begin << peers_end << '\n';  // godobject-peers writes between them
+  // godobject-study stability-map and godobject-peers write between them
+  out << map_begin << map_end << '\n' << peers_begin << peers_end << '\n';
   write_method(out, results);
   if (!out.flush()) throw std::runtime_error(options.report.string() + ": cannot be written");
   copy_figures(options, results);

@@ -1,0 +1,351 @@
+#include "tests/study/map/cases.h"
+
+#include <array>
+#include <memory>
+
+#include "tests/core/contact/bodies/jointed_pile.h"
+#include "tests/core/contact/usual_scenes.h"
+#include "tests/core/joint/usual_scene.h"
+#include "tests/core/net/usual_scene.h"
+#include "tests/study/map/scenes.h"
+#include "tests/study/map/watched_run.h"
+
+namespace godobject::study {
+namespace {
+
+const Vec3 plain_moments(1e-4, 2e-4, 2.5e-4);  // kg m^2
+
+template <Scene S>
+void hold(Running<S>& run, std::size_t i, const Pose& X_WD) {
+  run.par.bodies[i].device.rise = 0;
+  engage_at<S>(run.x, i, {.X_WD = X_WD, .V_WD = {}});
+  run.in.devices[i].target = {.X_WD = X_WD, .V_WD = {}};
+}
+
+/// Speed of the fastest point of a body 0.1 m from its centre, m/s.
+template <Scene S>
+Real fastest(const Running<S>& run) {
+  Real most = 0;
+  for (std::size_t i = 0; i < num_bodies(run.par); ++i)
+    most = std::max(most, run.x.bodies[i].x.v_W.norm() + 0.1 * run.x.bodies[i].x.w_B.norm());
+  return most;
+}
+
+/// Runs the steps without moving the targets.
+template <Scene S>
+void rest(Running<S>& run, int steps, CaseResult& result) {
+  watch(
+      run, steps, [&](int) { run.step(); }, result.run);
+}
+
+template <class I>
+std::unique_ptr<Running<OneBody<I>>> one_body(Real m, Real k, Real h) {
+  auto run = std::make_unique<Running<OneBody<I>>>();
+  run->par.h = h;
+  run->constants().body = rigid_body(m, Mat3((m * 1e-3 * Vec3(1, 2, 2.5)).asDiagonal()));
+  run->constants().coupling = spring(run->constants().body, k, 1e-2 * k);
+  place(run->x, 0, {});
+  hold(*run, 0, {});
+  return run;
+}
+
+template <class I>
+CaseResult target_jumps() {
+  CaseResult result{
+      .name = "target jumps by 10 m, 1 MN/m", .measure = "distance left after 3 s, m", .limit = 1e-9};
+  const auto run = one_body<I>(0.1, 1e6, 5e-3);
+  const Vec3 target(6, -8, 0);
+  run->device().target.X_WD.p = target;
+  rest(*run, 600, result);
+  result.value = (run->body().X_WB.p - target).norm();
+  return result;
+}
+
+template <class I>
+CaseResult target_flips() {
+  CaseResult result{.name = "target flips by pi in each of 100 steps, then rests",
+                    .measure = "angle left after 3 s, rad",
+                    .limit = 1e-6};
+  const auto run = one_body<I>(0.1, 1e4, 1e-3);
+  const auto advance = [&](int n) {
+    run->device().target.X_WD.q = n < 100 && n % 2 == 0 ? Quat(0, 0.6, 0, 0.8) : Quat(1, 0, 0, 0);
+    run->step();
+  };
+  watch(*run, 3100, advance, result.run);
+  result.value = 2 * run->body().X_WB.q.vec().norm();
+  return result;
+}
+
+template <class I>
+CaseResult deep_overlap() {
+  // (35)  the spring may hold as much energy again as the body has at the speed of pushing out
+  CaseResult result{.name = "ball of 5 mm begins 50 mm below a plane of 1 MN/m",
+                    .measure = "largest speed over the speed of pushing out",
+                    .limit = std::sqrt(2)};
+  const auto run = std::make_unique<Running<OneTool<I>>>();
+  run->par.bodies[0].body = solid_ball(0.05, 0.005);
+  add_sphere(run->par, 0, Vec3::Zero(), 0.005);
+  add_plane(run->par);
+  set_law(run->par, law_of(1e6, 1, 0.3, 0.05));
+  place(run->x, 0, {.X_WB = at(Vec3(0, 0, -0.05)), .V_WB = {}});
+  run->device().engaged = false;
+  const auto advance = [&](int) {
+    run->step();
+    result.value = std::max(result.value, fastest(*run) / run->par.contacts.laws[0][0].push_out);
+  };
+  watch(*run, 3000, advance, result.run);
+  return result;
+}
+
+/// Links of 0.1 m along x on joints of one kind, the first on the world, each coupled to its start.
+template <class I>
+std::unique_ptr<Running<Articulated<I>>> chain(JointKind kind, const std::vector<Real>& masses) {
+  using S = Articulated<I>;
+  auto run = std::make_unique<Running<S>>();
+  run->par.num_bodies = masses.size();
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    auto& body = run->par.bodies[i];
+    body.body = rigid_body(masses[i], Mat3((masses[i] * 1e-3 * Vec3(0.1, 1, 1)).asDiagonal()));
+    body.joint.kind = kind;
+    body.joint.parent = i == 0 ? world : i - 1;
+    if (i > 0) body.joint.P.p = Vec3(0.05, 0, 0);
+    body.joint.C.p = Vec3(-0.05, 0, 0);
+    const Pose X_WB = at(Vec3(0.05 + 0.1 * static_cast<Real>(i), 0, 0));
+    place<S>(run->x, i, {.X_WB = X_WB, .V_WB = {}});
+    run->in.devices[i].engaged = false;
+  }
+  return run;
+}
+
+template <class I>
+CaseResult stretched_chain() {
+  CaseResult result{.name = "straight chain, its hand 1 m beyond its reach at 1 MN/m",
+                    .measure = "speed after 2 s, m/s",
+                    .limit = 1e-6};
+  const auto run = chain<I>(JointKind::ball, {0.05, 0.05, 0.05, 0.05, 0.05});
+  run->par.bodies[4].coupling = spring(run->par.bodies[4].body, 1e6, 10);
+  run->in.devices[4].engaged = true;
+  hold(*run, 4, at(Vec3(1.45, 0, 0)));
+  rest(*run, 2000, result);
+  result.value = fastest(*run);
+  return result;
+}
+
+template <class I>
+CaseResult gimbal_lock() {
+  CaseResult result{.name = "universal joint at its singular pose, turned through it",
+                    .measure = "joint apart, rad",
+                    .limit = 1e-4};
+  using S = Articulated<I>;
+  const auto run = chain<I>(JointKind::universal, {0.05});
+  run->par.bodies[0].coupling = spring(run->par.bodies[0].body, 1e3, 1);
+  run->in.devices[0].engaged = true;
+  const Start start = joined<S>(run->par, run->x, 0, {.q = Vec3(0, pi / 2, 0), .q_dot = Vec3::Zero()});
+  place<S>(run->x, 0, start);
+  hold(*run, 0, {.p = start.X_WB.p, .q = start.X_WB.q * exp_so3(Vec3(0.7, 0.5, -0.6))});
+  const auto advance = [&](int) {
+    run->step();
+    result.value = std::max(result.value, drift(run->par, run->x).rad);
+  };
+  watch(*run, 2000, advance, result.run);
+  return result;
+}
+
+template <class I>
+CaseResult zero_length_springs() {
+  CaseResult result{.name = "net of springs of no length between nodes at one point and beside it",
+                    .measure = "distance of nodes after 4 s, m",
+                    .limit = 1e-6};
+  const auto run = std::make_unique<Running<NetScene<I>>>();
+  auto& net = run->par.net;
+  for (std::uint32_t n = 0; n < 8; ++n) {
+    const Vec3 p = n % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(0.01 * n, 0.003 * n * n, 0);
+    net.nodes[net.num_nodes++] = {.m = 1e-3, .body = world, .p_B = p, .k = n == 0 ? 10.0 : 0, .g = 0.05};
+    for (std::uint32_t i = 0; i < n; ++i)
+      net.springs[net.num_springs++] = {.i = i, .j = n, .k = 100, .g = 0.1, .l_0 = 0};
+  }
+  put_in_order(net);
+  run->par.bodies[0].body = rigid_body(0.1, Mat3(plain_moments.asDiagonal()));
+  place(run->x, 0, {});
+  run->in.devices[0].engaged = false;
+  place_net(net, run->x);
+  rest(*run, 4000, result);
+  for (std::size_t n = 0; n < net.num_nodes; ++n)
+    result.value = std::max(result.value, (run->x.net.nodes[n].p_W - run->x.net.nodes[0].p_W).norm());
+  return result;
+}
+
+template <class I>
+CaseResult masses() {
+  CaseResult result{.name = "bodies of 1e-9 to 1e6 kg on 1 kN/m",
+                    .measure = "largest distance from the exact mode's decay, m",
+                    .limit = 0.1};
+  // released 0.1 m from the target: never farther away than at first
+  for (Real m = 1e-9; m < 2e6; m *= 10) {
+    const auto run = one_body<I>(m, 1e3, 1e-3);
+    place(run->x, 0, {.X_WB = at(Vec3(0.1, 0, 0)), .V_WB = {}});
+    CaseResult one = result;
+    const auto advance = [&](int) {
+      run->step();
+      result.value = std::max(result.value, run->body().X_WB.p.norm());
+    };
+    watch(*run, 2000, advance, one.run);
+    result.run.fault |= one.run.fault;
+    result.run.gain = std::max(result.run.gain, one.run.gain);
+  }
+  result.measure = "largest distance from the target, released at 0.1 m, m";
+  return result;
+}
+
+template <class I>
+CaseResult masses_in_a_chain() {
+  CaseResult result{.name = "chain of links of 1e-9 and 1e6 kg by turns falls",
+                    .measure = "joints apart, m",
+                    .limit = 1e-3};
+  const auto run = chain<I>(JointKind::ball, {1e-9, 1e6, 1e-9, 1e6});
+  run->par.gravity_W = Vec3(0, 0, -9.81);
+  const auto advance = [&](int) {
+    run->step();
+    result.value = std::max(result.value, drift(run->par, run->x).m);
+  };
+  watch(*run, 2000, advance, result.run);
+  return result;
+}
+
+/// Returns how far the scene moves in so many steps after it has come to rest, m.
+template <Scene S>
+Real creep(Running<S>& run, long steps, MapSample& sample) {
+  watch(
+      run, 20000, [&](int) { run.step(); }, sample);
+  const Vec3 before = run.x.bodies[0].x.X_WB.p;
+  for (long n = 0; n < steps && sample.fault == 0; ++n) {
+    run.step();
+    sample.fault = static_cast<std::uint32_t>(run.out.fault);
+  }
+  return (run.x.bodies[0].x.X_WB.p - before).norm();
+}
+
+template <class I>
+CaseResult coupled_at_rest(long steps) {
+  CaseResult result{.name = "coupled body in gravity, steps at rest: " + std::to_string(steps),
+                    .measure = "moved, m",
+                    .limit = 1e-12};
+  const auto run = one_body<I>(0.1, 1e3, 1e-3);
+  run->par.gravity_W = Vec3(0, 0, -9.81);
+  result.value = creep(*run, steps, result.run);
+  return result;
+}
+
+template <class I>
+CaseResult lying_at_rest(long steps) {
+  CaseResult result{.name = "ball pressed on a plane with friction, steps at rest: " + std::to_string(steps),
+                    .measure = "moved, m",
+                    .limit = 1e-12};
+  const auto run = std::make_unique<Running<OneTool<I>>>();
+  run->par.gravity_W = Vec3(0, 0, -9.81);
+  run->par.bodies[0].body = solid_ball(0.05, 0.005);
+  run->par.bodies[0].coupling = spring(run->par.bodies[0].body, 100, 0.01);
+  add_sphere(run->par, 0, Vec3::Zero(), 0.005);
+  add_plane(run->par, {.p = Vec3::Zero(), .q = exp_so3(Vec3(0.1, 0.05, 0))});
+  set_law(run->par, law_of(1e4, 1, 0.5, 0.05));
+  place(run->x, 0, {.X_WB = at(Vec3(0, 0, 0.005)), .V_WB = {}});
+  hold(*run, 0, at(Vec3(0.001, 0, -0.005)));
+  result.value = creep(*run, steps, result.run);
+  return result;
+}
+
+template <class I>
+CaseResult denormals() {
+  CaseResult result{
+      .name = "offsets and velocities of 1e-310", .measure = "largest speed, 1e-300 m/s", .limit = 1};
+  const auto run = one_body<I>(0.1, 1e3, 1e-3);
+  place(run->x, 0,
+        {.X_WB = at(Vec3(1e-310, -1e-310, 1e-310)),
+         .V_WB = {.w = Vec3(1e-310, 0, 0), .v = Vec3(0, 1e-310, 0)}});
+  const auto advance = [&](int) {
+    run->step();
+    result.value = std::max(result.value, fastest(*run) * 1e300);
+  };
+  watch(*run, 1000, advance, result.run);
+  return result;
+}
+
+template <class I>
+CaseResult stop_at_pi() {
+  using S = Jointed<I>;
+  CaseResult result{.name = "hinge that strikes stops at -pi and pi at 20 rad/s",
+                    .measure = "deeper in the stop than the rigid rotor's energy drives it, rad",
+                    .limit = 0};
+  constexpr Real moment = 1e-4, rate = 20, k = 10, width = 0.05;
+  const auto run = std::make_unique<Running<S>>();
+  run->par.num_bodies = 1;
+  run->par.h = 1e-3;
+  auto& body = run->par.bodies[0];
+  body.body = rigid_body(0.05, Mat3((moment * Vec3(1, 1, 1)).asDiagonal()));
+  body.joint.kind = JointKind::hinge;
+  body.joint.parent = world;
+  body.joint.stop.stops[0] = {.lower = -pi, .upper = pi, .k = k, .g = 0, .width = width};
+  place(run->x, 0, {.X_WB = {}, .V_WB = {.w = Vec3(0, 0, rate), .v = Vec3::Zero()}});
+  start_turns(run->par, run->x);
+  run->in.devices[0].engaged = false;
+  // beyond the range in which the stiffness rises: k (d^2 - width d + width^2 / 3) / 2 = I w^2 / 2
+  const Real e = moment * rate * rate / k;
+  const Real deepest = width / 2 + std::sqrt(std::max(e - width * width / 12, 0.0));
+  Real angle = 0;
+  const auto advance = [&](int) {
+    run->step();
+    angle = std::max(angle, std::abs(run->x.bodies[0].joint.q[0]));
+  };
+  watch(*run, 5000, advance, result.run);
+  result.value = angle - pi - deepest;
+  return result;
+}
+
+template <class I>
+CaseResult decades_of_stiffness() {
+  CaseResult result{.name = "tree of links on 1 N/m to 1e10 N/m, their targets 10 mm off",
+                    .measure = "speed after 4 s, m/s",
+                    .limit = 1e-6};
+  const auto run = chain<I>(JointKind::universal, {0.05, 0.05, 0.05, 0.05, 0.05, 0.05});
+  Real k = 1;
+  for (std::size_t i = 0; i < 6; ++i, k *= 100) {
+    auto& body = run->par.bodies[i];
+    if (i > 1) body.joint.parent = (i - 1) / 2;  // two children each
+    if (i > 1) {
+      const Start start =
+          joined<Articulated<I>>(run->par, run->x, i, {.q = Vec3(0.3, i % 2 ? 0.6 : -0.6, 0)});
+      place<Articulated<I>>(run->x, i, start);
+    }
+    body.coupling = spring(body.body, k, 1e-3 * k);
+    run->in.devices[i].engaged = true;
+    Pose X_WD = run->x.bodies[i].x.X_WB;
+    X_WD.p += 0.01 * Vec3(i % 2 ? 1 : -1, 0.5, i % 3 ? 1 : -1).normalized();
+    hold(*run, i, X_WD);
+  }
+  rest(*run, 4000, result);
+  result.value = fastest(*run);
+  return result;
+}
+
+template <class I>
+void add_cases(std::vector<CaseResult>& all, long steps_at_rest) {
+  const std::size_t first = all.size();
+  for (const auto one : {target_jumps<I>, target_flips<I>, deep_overlap<I>, stretched_chain<I>,
+                         gimbal_lock<I>, zero_length_springs<I>, masses<I>, masses_in_a_chain<I>,
+                         denormals<I>, stop_at_pi<I>, decades_of_stiffness<I>})
+    all.push_back(one());
+  all.push_back(coupled_at_rest<I>(steps_at_rest));
+  all.push_back(lying_at_rest<I>(steps_at_rest));
+  for (std::size_t i = first; i < all.size(); ++i) all[i].integrator = I::name;
+}
+
+}  // namespace
+
+std::vector<CaseResult> study_cases(long steps_at_rest) {
+  std::vector<CaseResult> all;
+  add_cases<ImplicitEuler>(all, steps_at_rest);
+  add_cases<TrBdf2>(all, steps_at_rest);
+  return all;
+}
+
+}  // namespace godobject::study
