@@ -1,7 +1,9 @@
-// Prints the state hash of a fixed run of each composition: every compiler and optimisation level must print
-// the same. The motion uses only + - * /, so it does not depend on libm.
+// Prints the state hash of a fixed run of each composition: every compiler, optimisation level and processor
+// must print the same. The motion uses only + - * /, so it does not depend on libm.
+//   state_hash_probe [STEPS [each]]   each: also prints the quantities of each step
 #include <cinttypes>
 #include <cstdio>
+#include <cstdlib>
 
 #include "core/godobject.h"
 
@@ -52,7 +54,35 @@ struct Netted : Led<IntegratorPart> {
 };
 
 constexpr Real h = 1e-3;
-constexpr int num_steps = 3000;
+int num_steps = 3000;
+bool prints_each = false;
+
+/// Prints a quantity of a step, as bits.
+void print_quantity(const char* integrator, const char* scene, int step, std::size_t body,
+                    const char* quantity, const Vec3& a, const Vec3& b) {
+  std::printf("%s,%s, step %d, body %zu, %s:", integrator, scene + 1, step, body, quantity);
+  for (const Vec3& v : {a, b})
+    for (Eigen::Index i = 0; i < 3; ++i) std::printf(" %a", static_cast<double>(v[i]));
+  std::printf("\n");
+}
+
+/// Prints the quantities of all bodies after a step, causes before effects.
+template <Scene S>
+void print_quantities(const char* scene, int step, const Output<S>& out) {
+  if (!prints_each) return;
+  for (std::size_t i = 0; i < S::max_bodies; ++i) {
+    const BodyOutput<S>& body = out.bodies[i];
+    const auto print = [&](const char* quantity, const Vec3& a, const Vec3& b) {
+      print_quantity(S::Integrator::name, scene, step, i, quantity, a, b);
+    };
+    if constexpr (uses<ContactsOf<S>>)
+      print("contact force and torque", body.contact.F_W.f, body.contact.F_W.tau);
+    if constexpr (uses<typename S::Joints>)
+      print("joint force and torque", body.joint.F_C.f, body.joint.F_C.tau);
+    print("velocity and angular velocity", body.V_WB.v, body.V_WB.w);
+    print("position and quaternion vector", body.X_WB.p, body.X_WB.q.vec());
+  }
+}
 
 /// Quarter-turn tangent of the motion at step n: to and fro between -1 and 1, once in 1.6 s.
 Real tangent(int n) {
@@ -196,6 +226,7 @@ void print_hash(const char* name) {
     for (std::size_t i = 0; i < S::max_bodies; ++i) move(in.devices[i], n + 250 * static_cast<int>(i));
     if constexpr (prescribes<S>) in.joints[2].q[0] = 0.5 * tangent(n);
     step(par, in, x, w, out);
+    print_quantities<S>(name, n, out);
     if (any(out.fault) && out.fault != Fault::contacts_full) std::printf("fault in step %d\n", n);
     outputs.add(out.bodies[1].X_WB);
     outputs.add(out.bodies[1].V_WB);
@@ -229,7 +260,9 @@ void print_hashes() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) num_steps = std::atoi(argv[1]);
+  prints_each = argc > 2;
   print_hashes<ImplicitEuler>();
   print_hashes<TrBdf2>();
 }
