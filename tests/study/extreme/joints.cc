@@ -65,7 +65,7 @@ double contradicted_speed(double, double k, double offset, unsigned seed) {
 
 ExtremeMap map_spin(bool quick, const Progress& progress) {
   ExtremeMap map{.name = "spin",
-                 .about = "rods that spin about any axis, free or on a weak spring, steps of 0.1 to 5 ms",
+                 .about = "rods that spin, free or on a weak spring",
                  .measure = "the gain over the first energy",
                  .limit = 1e-3,
                  .panels = {"", {1}},
@@ -79,9 +79,7 @@ ExtremeMap map_spin(bool quick, const Progress& progress) {
 
 ExtremeMap map_heavy_end(bool quick, const Progress& progress) {
   ExtremeMap map{.name = "heavy-end",
-                 .about =
-                     "chains of 2 to 5 links of 50 g on ball joints, the last one heavier, released at 60 to "
-                     "175 degrees from hanging",
+                 .about = "chains of 2 to 5 links on ball joints, the last one heavier, released",
                  .measure = "the gain over the most kinetic energy",
                  .limit = 1e-3,
                  .panels = {"", {1}},
@@ -95,9 +93,7 @@ ExtremeMap map_heavy_end(bool quick, const Progress& progress) {
 
 ExtremeMap map_contradiction(bool quick, const Progress& progress) {
   ExtremeMap map{.name = "contradiction",
-                 .about =
-                     "trees of 2 to 8 bodies on joints of all kinds, their targets off by so much (sizes and "
-                     "rad), steps of 0.2 to 5 ms",
+                 .about = "trees of 2 to 8 bodies on joints of all kinds, their targets off",
                  .measure = "the speed after 3.6 s, m/s",
                  .limit = 1e-6,
                  .panels = {"", {1}},

@@ -51,8 +51,7 @@ std::unique_ptr<Running<OneBody<I>>> one_body(Real m, Real k, Real h) {
 
 template <class I>
 CaseResult target_jumps() {
-  CaseResult result{
-      .name = "target jumps by 10 m, 1 MN/m", .measure = "distance left after 3 s, m", .limit = 1e-9};
+  CaseResult result{.name = "target jumps by 10 m", .measure = "left after 3 s, m", .limit = 1e-9};
   const auto run = one_body<I>(0.1, 1e6, 5e-3);
   const Vec3 target(6, -8, 0);
   run->device().target.X_WD.p = target;
@@ -63,9 +62,7 @@ CaseResult target_jumps() {
 
 template <class I>
 CaseResult target_flips() {
-  CaseResult result{.name = "target flips by pi in each of 100 steps, then rests",
-                    .measure = "angle left after 3 s, rad",
-                    .limit = 1e-6};
+  CaseResult result{.name = "target flips by pi 100 times", .measure = "left after 3 s, rad", .limit = 1e-6};
   const auto run = one_body<I>(0.1, 1e4, 1e-3);
   const auto advance = [&](int n) {
     run->device().target.X_WD.q = n < 100 && n % 2 == 0 ? Quat(0, 0.6, 0, 0.8) : Quat(1, 0, 0, 0);
@@ -79,9 +76,8 @@ CaseResult target_flips() {
 template <class I>
 CaseResult deep_overlap() {
   // (35)  the spring may hold as much energy again as the body has at the speed of pushing out
-  CaseResult result{.name = "ball of 5 mm begins 50 mm below a plane of 1 MN/m",
-                    .measure = "largest speed over the speed of pushing out",
-                    .limit = std::sqrt(2)};
+  CaseResult result{
+      .name = "ball 50 mm under a plane", .measure = "speed by that of pushing out", .limit = std::sqrt(2)};
   const auto run = std::make_unique<Running<OneTool<I>>>();
   run->par.bodies[0].body = solid_ball(0.05, 0.005);
   add_sphere(run->par, 0, Vec3::Zero(), 0.005);
@@ -119,9 +115,8 @@ std::unique_ptr<Running<Articulated<I>>> chain(JointKind kind, const std::vector
 
 template <class I>
 CaseResult stretched_chain() {
-  CaseResult result{.name = "straight chain, its hand 1 m beyond its reach at 1 MN/m",
-                    .measure = "speed after 2 s, m/s",
-                    .limit = 1e-6};
+  CaseResult result{
+      .name = "straight chain, its hand 1 m beyond", .measure = "speed after 2 s, m/s", .limit = 1e-6};
   const auto run = chain<I>(JointKind::ball, {0.05, 0.05, 0.05, 0.05, 0.05});
   run->par.bodies[4].coupling = spring(run->par.bodies[4].body, 1e6, 10);
   run->in.devices[4].engaged = true;
@@ -133,9 +128,8 @@ CaseResult stretched_chain() {
 
 template <class I>
 CaseResult gimbal_lock() {
-  CaseResult result{.name = "universal joint at its singular pose, turned through it",
-                    .measure = "joint apart, rad",
-                    .limit = 1e-4};
+  CaseResult result{
+      .name = "universal joint turned through its singular pose", .measure = "apart, rad", .limit = 1e-4};
   using S = Articulated<I>;
   const auto run = chain<I>(JointKind::universal, {0.05});
   run->par.bodies[0].coupling = spring(run->par.bodies[0].body, 1e3, 1);
@@ -153,9 +147,7 @@ CaseResult gimbal_lock() {
 
 template <class I>
 CaseResult zero_length_springs() {
-  CaseResult result{.name = "net of springs of no length between nodes at one point and beside it",
-                    .measure = "distance of nodes after 4 s, m",
-                    .limit = 1e-6};
+  CaseResult result{.name = "net springs of no length", .measure = "nodes apart after 4 s, m", .limit = 1e-6};
   const auto run = std::make_unique<Running<NetScene<I>>>();
   auto& net = run->par.net;
   for (std::uint32_t n = 0; n < 8; ++n) {
@@ -177,9 +169,7 @@ CaseResult zero_length_springs() {
 
 template <class I>
 CaseResult masses() {
-  CaseResult result{.name = "bodies of 1e-9 to 1e6 kg on 1 kN/m",
-                    .measure = "largest distance from the exact mode's decay, m",
-                    .limit = 0.1};
+  CaseResult result{.name = "1e-9 to 1e6 kg on 1 kN/m from 0.1 m", .measure = "farthest, m", .limit = 0.1};
   // released 0.1 m from the target: never farther away than at first
   for (Real m = 1e-9; m < 2e6; m *= 10) {
     const auto run = one_body<I>(m, 1e3, 1e-3);
@@ -193,15 +183,12 @@ CaseResult masses() {
     result.run.fault |= one.run.fault;
     result.run.gain = std::max(result.run.gain, one.run.gain);
   }
-  result.measure = "largest distance from the target, released at 0.1 m, m";
   return result;
 }
 
 template <class I>
 CaseResult masses_in_a_chain() {
-  CaseResult result{.name = "chain of links of 1e-9 and 1e6 kg by turns falls",
-                    .measure = "joints apart, m",
-                    .limit = 1e-3};
+  CaseResult result{.name = "links of 1e-9 and 1e6 kg by turns fall", .measure = "apart, m", .limit = 1e-3};
   const auto run = chain<I>(JointKind::ball, {1e-9, 1e6, 1e-9, 1e6});
   run->par.gravity_W = Vec3(0, 0, -9.81);
   const auto advance = [&](int) {
@@ -227,9 +214,8 @@ Real creep(Running<S>& run, long steps, MapSample& sample) {
 
 template <class I>
 CaseResult coupled_at_rest(long steps) {
-  CaseResult result{.name = "coupled body in gravity, steps at rest: " + std::to_string(steps),
-                    .measure = "moved, m",
-                    .limit = 1e-12};
+  CaseResult result{
+      .name = "coupled, steps at rest: " + std::to_string(steps), .measure = "moved, m", .limit = 1e-12};
   const auto run = one_body<I>(0.1, 1e3, 1e-3);
   run->par.gravity_W = Vec3(0, 0, -9.81);
   result.value = creep(*run, steps, result.run);
@@ -238,7 +224,7 @@ CaseResult coupled_at_rest(long steps) {
 
 template <class I>
 CaseResult lying_at_rest(long steps) {
-  CaseResult result{.name = "ball pressed on a plane with friction, steps at rest: " + std::to_string(steps),
+  CaseResult result{.name = "pressed on a plane, steps at rest: " + std::to_string(steps),
                     .measure = "moved, m",
                     .limit = 1e-12};
   const auto run = std::make_unique<Running<OneTool<I>>>();
@@ -256,15 +242,17 @@ CaseResult lying_at_rest(long steps) {
 
 template <class I>
 CaseResult denormals() {
-  CaseResult result{
-      .name = "offsets and velocities of 1e-310", .measure = "largest speed, 1e-300 m/s", .limit = 1};
+  CaseResult result{.name = "offsets of 1e-310", .measure = "fastest, 1e-300 m/s", .limit = 1};
   const auto run = one_body<I>(0.1, 1e3, 1e-3);
   place(run->x, 0,
         {.X_WB = at(Vec3(1e-310, -1e-310, 1e-310)),
          .V_WB = {.w = Vec3(1e-310, 0, 0), .v = Vec3(0, 1e-310, 0)}});
   const auto advance = [&](int) {
     run->step();
-    result.value = std::max(result.value, fastest(*run) * 1e300);
+    // the norm of such a velocity is zero
+    const RigidBodyState& x = run->body();
+    result.value =
+        std::max({result.value, x.v_W.cwiseAbs().maxCoeff() * 1e300, x.w_B.cwiseAbs().maxCoeff() * 1e300});
   };
   watch(*run, 1000, advance, result.run);
   return result;
@@ -273,9 +261,8 @@ CaseResult denormals() {
 template <class I>
 CaseResult stop_at_pi() {
   using S = Jointed<I>;
-  CaseResult result{.name = "hinge that strikes stops at -pi and pi at 20 rad/s",
-                    .measure = "deeper in the stop than the rigid rotor's energy drives it, rad",
-                    .limit = 0};
+  CaseResult result{
+      .name = "hinge strikes stops at pi", .measure = "beyond its energy's depth, rad", .limit = 0};
   constexpr Real moment = 1e-4, rate = 20, k = 10, width = 0.05;
   const auto run = std::make_unique<Running<S>>();
   run->par.num_bodies = 1;
@@ -303,9 +290,7 @@ CaseResult stop_at_pi() {
 
 template <class I>
 CaseResult decades_of_stiffness() {
-  CaseResult result{.name = "tree of links on 1 N/m to 1e10 N/m, their targets 10 mm off",
-                    .measure = "speed after 4 s, m/s",
-                    .limit = 1e-6};
+  CaseResult result{.name = "1 to 1e10 N/m in a tree", .measure = "speed after 4 s, m/s", .limit = 1e-6};
   const auto run = chain<I>(JointKind::universal, {0.05, 0.05, 0.05, 0.05, 0.05, 0.05});
   Real k = 1;
   for (std::size_t i = 0; i < 6; ++i, k *= 100) {

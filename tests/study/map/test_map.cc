@@ -88,7 +88,7 @@ TEST(StabilityMap, FindsAPlantedGain) {
   EXPECT_FALSE(flight(1.001).gains_silently());
 }
 
-/// Of 160 000 samples one in 700 gains silently (docs/report.md); another compiler may draw the line elsewhere.
+/// One in some hundred samples gains silently, see docs/report.md. Which ones depends on the compiler.
 TEST(StabilityMap, FewOfTheFirstSamplesGain) {
   std::size_t moving = 0, silent = 0;
   for (std::uint64_t number = 0; number < 10 * 2 * num_map_families; ++number) {
@@ -129,7 +129,7 @@ TEST(StabilityMap, IsSummarisedByFamilyAndIntegrator) {
 TEST(StabilityMap, ExtremeCasesHaveTheirProperties) {
   // masses that differ by 1e15 are too much for TR-BDF2: after 1.9 s it reports state_not_finite
   const auto is_known = [](const CaseResult& one) {
-    return one.name.starts_with("chain of links of 1e-9 and 1e6 kg") && one.integrator == TrBdf2::name &&
+    return one.name.starts_with("links of 1e-9 and 1e6 kg") && one.integrator == TrBdf2::name &&
            one.run.fault == static_cast<std::uint32_t>(Fault::state_not_finite);
   };
   for (const CaseResult& one : study_cases(20000))
@@ -156,8 +156,8 @@ TEST(StabilityMap, SectionStandsBetweenItsLines) {
   const std::string text = content_of(report);
   EXPECT_TRUE(text.starts_with("before\n\n" + std::string(map_begin) + "## Stability map\n"));
   EXPECT_TRUE(text.ends_with(std::string(map_end) + "after\n"));
-  EXPECT_THAT(text, AllOf(HasSubstr("--seed 1 --samples 32"), HasSubstr("| chain | 2, 2 |"),
-                          HasSubstr("target flips"), ::testing::Not(HasSubstr("Old"))));
+  EXPECT_THAT(text, AllOf(HasSubstr("--seed 1 --samples 32"), HasSubstr("| chain | 0, 0 |"),
+                          HasSubstr("| target flips"), ::testing::Not(HasSubstr("Old"))));
   write_map_section(results, report, 1000);
   EXPECT_EQ(content_of(report), text) << "again the same";
   std::ofstream(report) << "nothing\n";
