@@ -15,7 +15,8 @@ launcher=$(command -v ccache || true)
 rm -rf "$work"
 mkdir -p "$work"
 
-# four numbers in one vector instead of two; and fused multiplication and addition, which -ffp-contract=off leaves out
+# four numbers in one vector instead of two; and fused multiplication and addition, which -ffp-contract=off leaves out and g++ has
+# from -O2 on
 wide="" v3=""
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null; then wide=_-mavx2; fi
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null && grep -qw fma /proc/cpuinfo; then v3=_-march=x86-64-v3; fi
@@ -25,7 +26,7 @@ levels_of() {
   if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then
     echo -O0 -O3 ${wide:+-O3$wide} ${v3:+-O3$v3}
   elif [ "$1" = g++ ]; then
-    echo -O3 ${v3:+-O1$v3}
+    echo -O3 ${v3:+-O2$v3}
   else
     echo "-O0$wide"
   fi
@@ -88,7 +89,7 @@ for build in $builds; do
 done
 
 if command -v $emulated > /dev/null && command -v qemu-aarch64 > /dev/null; then
-  build $emulated -O1 -static
+  build $emulated -O2 -static
   other=$name
   run "$reference" $emulated_steps > "$reference.txt"
   run "$other" $emulated_steps > "$other.txt"

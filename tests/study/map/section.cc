@@ -54,7 +54,7 @@ void write_map_script(const fs::path& directory) {
     for (const char* family : map_families)
       out << (family == map_families[0] ? "" : ", ")
           << "'stability-map-shares.csv' skip 1 using (strcol(1) eq '" << integrator << "' && strcol(2) eq '"
-          << family << "' ? $3 : NaN):4 with steps lw 2 title '" << family << "'";
+          << family << "' ? $3 : NaN):4 with linespoints pt 7 ps 0.3 title '" << family << "'";
     out << '\n';
   }
   out << "unset multiplot\n";
