@@ -69,18 +69,25 @@ int run(int argc, char** argv) {
   MapArguments a;
   CLI::App app("Draw scenes of eight families and record their energy gains with both integrators.",
                "stability-map");
-  app.add_option("--seed", a.seed, "seed of all scenes (1)");
-  app.add_option("--samples", a.samples, "number of samples of the whole run (16000)")
-      ->check(CLI::Range(std::uint64_t(1), std::uint64_t(1) << 31));
-  app.add_option("--shard", a.shard, "part of the run, k/n (1/1); an interrupted file is continued");
+  CLI::Option* const seed = app.add_option("--seed", a.seed, "seed of all scenes (1)");
+  CLI::Option* const samples =
+      app.add_option("--samples", a.samples, "number of samples of the whole run (16000)")
+          ->check(CLI::Range(std::uint64_t(1), std::uint64_t(1) << 31));
+  CLI::Option* const shard =
+      app.add_option("--shard", a.shard, "part of the run, k/n (1/1); an interrupted file is continued");
   CLI::Option* const out = app.add_option("--out", a.out, "CSV file to write");
-  CLI::Option* const merge =
-      app.add_option("--merge", a.merge, "write the union of these shards instead of running")->needs(out);
+  app.add_option("--merge", a.merge, "write the union of these shards instead of running")
+      ->needs(out)
+      ->excludes(seed)
+      ->excludes(samples)
+      ->excludes(shard);
   app.add_option("--report", a.report,
                  "report (Markdown) whose section of the map to write; needs all shards")
       ->needs(out);
-  CLI::Option* const sample =
-      app.add_option("--sample", a.sample, "print this sample alone")->excludes(out)->excludes(merge);
+  CLI::Option* const sample = app.add_option("--sample", a.sample, "print this sample alone")
+                                  ->excludes(out)
+                                  ->excludes(samples)
+                                  ->excludes(shard);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

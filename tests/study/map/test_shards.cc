@@ -147,10 +147,16 @@ TEST_F(Shards, FilesOfOtherRunsAreNotContinued) {
 }
 
 TEST_F(Shards, BadPartsAreRefused) {
+  const std::string none = (directory() / "none.csv").string(), first = shard(1).string();
+  EXPECT_EQ(call({}).status, 2);
+  EXPECT_EQ(call({"--merge", first}).status, 2) << "where to?";
+  EXPECT_EQ(call({"--out", none, "--merge", first, "--seed", "1"}).status, 2) << "the files have it";
+  EXPECT_EQ(call({"--out", none, "--sample", "1"}).status, 2);
+  EXPECT_EQ(call({"--out", none, "--shard", "1/2", "--report", none}).status, 2) << "of a part";
   for (const char* shard : {"0/3", "4/3", "1", "1/", "/3", "-1/3", "1/-3", "1/3x", "a/b", ""}) {
-    const ToolResult result = call({"--out", (directory() / "none.csv").string(), "--shard", shard});
+    const ToolResult result = call({"--out", none, "--shard", shard});
     EXPECT_NE(result.status, 0) << shard;
-    EXPECT_FALSE(fs::exists(directory() / "none.csv")) << shard;
+    EXPECT_FALSE(fs::exists(none)) << shard;
   }
 }
 
