@@ -9,6 +9,7 @@
 
 #include "hal/base/codec.h"
 #include "hal/base/nanoseconds.h"
+#include "hal/rig/supervisor.h"
 
 namespace godobject {
 
@@ -50,6 +51,14 @@ struct RigFaultText {
   std::string_view meaning;
   std::string_view remedy;
 };
+
+/// Returns the event of a fault in the table of states. fault: a single bit.
+constexpr RigEvent event_of(RigFault fault) noexcept {
+  return fault == RigFault::quick_stop ? RigEvent::quick_stop : RigEvent::fault;
+}
+
+/// Faults that would recur if the device were armed again: --rearm auto does not.
+inline constexpr RigFault never_rearmed = RigFault::force_oscillates | RigFault::energy_gained;
 
 /// Returns the texts in the order of the bits.
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept;

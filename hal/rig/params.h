@@ -17,10 +17,11 @@ namespace godobject {
 enum class ButtonUse : std::uint8_t {
   hold,    // grips the nearest body, or releases it: acts when pressed
   clutch,  // enables a relative device: its increments are used while the button is pressed
+  stop,    // emergency stop: each drive removes its torque by its own fastest means
 };
 
 /// Names of ButtonUse in scene files, in the order of the enumeration.
-inline constexpr std::array button_use_names{"hold", "clutch"};
+inline constexpr std::array button_use_names{"hold", "clutch", "stop"};
 
 /// A digital input of a CiA 401 node: one bit of its TPDO1 {6000h:01}.
 struct ButtonParams {

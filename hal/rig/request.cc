@@ -8,7 +8,7 @@
 namespace godobject {
 
 void Rig::sync(Nanoseconds now) noexcept {
-  if (state_ == RigState::off) return;
+  if (state() == RigState::off) return;
   now_ns_ = now;
   const bool last_was_complete = complete() || std::ranges::any_of(buses_, &Bus::marked);
   bool queued = false;
@@ -86,7 +86,7 @@ bool Rig::request_answers(std::size_t bus, Nanoseconds now) noexcept {
 /// otherwise, because a torque that runs down is no feedback.
 DriveCommand Rig::plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept {
   const Measured& measured = measured_[static_cast<std::size_t>(drive.joint)];
-  if (state_ != RigState::armed) drive.passivity.reset();
+  if (torque_output() != TorqueOutput::normal) drive.passivity.reset();
   else tau_joint = drive.passivity.limit(tau_joint, measured.q, measured.valid && measured.reads_ago == 0);
   return drive.drive.plan(tau_joint, goal(), now);
 }

@@ -99,28 +99,20 @@ Eigen::Index Rig::joint_named(const std::string& name) const {
 }
 
 void Rig::start(Nanoseconds now) noexcept {
-  if (state_ != RigState::off) return;
-  state_ = RigState::booting;
+  if (!supervisor_.on(RigEvent::start)) return;
   now_ns_ = now;
   boot_started_ns_ = now;
   heartbeat_due_ns_ = now;
 }
 
-bool Rig::arm() noexcept {
-  if (state_ != RigState::ready) return false;
-  state_ = RigState::armed;
-  return true;
-}
+bool Rig::arm() noexcept { return supervisor_.on(RigEvent::arm); }
 
-void Rig::disarm() noexcept {
-  if (state_ == RigState::armed) state_ = RigState::ready;
-}
+void Rig::disarm() noexcept { static_cast<void>(supervisor_.on(RigEvent::disarm)); }
 
 void Rig::clear_faults(Nanoseconds now) noexcept {
-  if (state_ != RigState::fault) return;
+  if (!supervisor_.on(RigEvent::clear)) return;
   fault_log_.clear();
   for (Bus& bus : buses_) bus.refused_in_a_row = 0;
-  state_ = RigState::booting;
   boot_started_ns_ = now;
 }
 
@@ -129,17 +121,17 @@ void Rig::quick_stop() noexcept { raise({.fault = RigFault::quick_stop}); }
 void Rig::deadlines_missed() noexcept { raise({.fault = RigFault::deadlines_missed}); }
 
 void Rig::force_oscillates(std::optional<std::size_t> drive) noexcept {
-  if (state_ != RigState::armed) return;
+  if (state() != RigState::armed) return;
   if (drive) raise(RigFault::force_oscillates, nodes_[drives_[*drive].node]);
   else raise({.fault = RigFault::force_oscillates});
 }
 
 void Rig::energy_gained() noexcept {
-  if (state_ == RigState::armed) raise({.fault = RigFault::energy_gained});
+  if (state() == RigState::armed) raise({.fault = RigFault::energy_gained});
 }
 
 void Rig::stop() noexcept {
-  if (state_ == RigState::off) return;
+  if (state() == RigState::off) return;
   for (DriveOnBus& drive : drives_) {
     const DriveCommand command = drive.drive.plan(0, DriveGoal::off, 0);
     if (!command.out.frame || send(nodes_[drive.node].bus, *command.out.frame)) drive.drive.sent(command, 0);
@@ -148,7 +140,7 @@ void Rig::stop() noexcept {
     if (!node.canopen) continue;
     send(node.bus, canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node.id));
   }
-  state_ = RigState::off;
+  static_cast<void>(supervisor_.on(RigEvent::switch_off));
 }
 
 bool Rig::complete() const noexcept {
@@ -204,11 +196,11 @@ bool Rig::measured_anew(std::size_t joint, const JointSample& sample) noexcept {
 CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept {
   assert(F_hand_W.size() <= num_handles());
   CommandReport report;
-  if (state_ == RigState::off) return report;
+  if (state() == RigState::off) return report;
   now_ns_ = now;
   JointVector tau = transmission_.actuator_torques(configuration_.joint_torques(F_hand_W));
   if (!tau.allFinite()) raise({.fault = RigFault::command_not_finite});
-  if (state_ != RigState::armed) tau.setZero();
+  if (torque_output() != TorqueOutput::normal) tau.setZero();
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
     const DriveCommand planned = plan(drive, tau(drive.joint), now);
@@ -225,15 +217,16 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
 }
 
 DriveGoal Rig::goal() const noexcept {
-  if (any(faults() & RigFault::quick_stop)) return DriveGoal::quick_stop;
+  if (torque_output() == TorqueOutput::at_once) return DriveGoal::quick_stop;
   const bool failed =
       std::ranges::any_of(drives_, [](const DriveOnBus& d) { return d.t_failed_ns.has_value(); });
-  return state_ == RigState::enabling && !failed ? DriveGoal::enable : DriveGoal::hold;
+  return state() == RigState::enabling && !failed ? DriveGoal::enable : DriveGoal::hold;
 }
 
 DeviceButtons Rig::buttons() const noexcept {
   DeviceButtons out;
   for (const ButtonOnBus& button : buttons_) {
+    if (button.params.use == ButtonUse::stop) continue;
     bool& use = button.params.use == ButtonUse::hold ? out.hold : out.clutch;
     use = use || button.pressed;
   }
@@ -262,11 +255,9 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
 }
 
 void Rig::raise(const RigFaultPlace& place, std::uint32_t identifier) noexcept {
-  if (state_ == RigState::off) return;
+  if (!supervisor_.on(event_of(place.fault))) return;
   const RigNode* const node = node_at(place);
   fault_log_.raise(place, now_ns_, identifier, node != nullptr ? evidence_of(*node) : NodeEvidence{});
-  before_fault_ = reached();
-  state_ = RigState::fault;
 }
 
 const RigNode* Rig::node_at(const RigFaultPlace& place) const noexcept {

@@ -24,18 +24,10 @@
 #include "hal/rig/fault.h"
 #include "hal/rig/node.h"
 #include "hal/rig/passivity_controller.h"
+#include "hal/rig/supervisor.h"
 #include "hal/rig/validate.h"
 
 namespace godobject {
-
-enum class RigState : std::uint8_t {
-  off,       // nothing is sent
-  booting,   // waiting until every node is operational and every sensor has sent a sample
-  enabling,  // drives on their way to enabled, then settle_cycles there; target torque 0
-  ready,     // everything works; torque 0
-  armed,     // torque follows command()
-  fault,     // a fault bit is set; torque ramps down to 0 and stays there
-};
 
 /// Pressed buttons; false without such a button.
 struct DeviceButtons {
@@ -133,8 +125,10 @@ class Rig {
   /// cycle and state: it also carries the controlwords.
   CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
 
-  RigState state() const noexcept { return state_; }
-  bool ready() const noexcept { return state_ == RigState::ready || state_ == RigState::armed; }
+  /// Returns off, booting, enabling, ready, armed or fault.
+  RigState state() const noexcept { return supervisor_.state(); }
+  TorqueOutput torque_output() const noexcept { return supervisor_.torque(); }
+  bool ready() const noexcept { return state() == RigState::ready || state() == RigState::armed; }
   RigFault faults() const noexcept { return fault_log_.faults(); }
   const RigFaultLog& fault_log() const noexcept { return fault_log_; }
   /// Returns the text of the set faults, one line per place, in the order in which they were raised: name,
@@ -248,6 +242,7 @@ class Rig {
   // supervise.cc
   void supervise(Nanoseconds now) noexcept;
   void check_buses() noexcept;
+  void check_stop_inputs() noexcept;
   void check_nodes(Nanoseconds now) noexcept;
   void check_samples(Nanoseconds now) noexcept;
   bool lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
@@ -263,12 +258,10 @@ class Rig {
   bool booted(const RigNode& node, Nanoseconds now) const noexcept;
   bool is_known(const AnswerDelay& delay, const RigNode& node) const noexcept;
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
-  bool running() const noexcept { return state_ >= RigState::enabling && state_ <= RigState::armed; }
-  /// Returns the state in which the first fault was raised; without a fault, the present state. Devices that
-  /// were up then are still supervised.
-  RigState reached() const noexcept { return state_ == RigState::fault ? before_fault_ : state_; }
-  bool nodes_were_up() const noexcept { return reached() >= RigState::enabling; }
-  bool drives_were_up() const noexcept { return reached() >= RigState::ready; }
+  bool running() const noexcept { return state() >= RigState::enabling && state() <= RigState::armed; }
+  // Devices that were up when the first fault was raised are still supervised.
+  bool nodes_were_up() const noexcept { return supervisor_.reached() >= RigState::enabling; }
+  bool drives_were_up() const noexcept { return supervisor_.reached() >= RigState::ready; }
 
   DriveGoal goal() const noexcept;
   DeviceButtons buttons() const noexcept;
@@ -292,9 +285,8 @@ class Rig {
   std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
   std::array<Measured, max_joints> measured_{};
 
-  RigState state_ = RigState::off;
-  RigState before_fault_ = RigState::off;  // state in which the first fault was raised; used in fault only
-  Nanoseconds now_ns_ = 0;                 // time of the present call
+  Supervisor supervisor_;
+  Nanoseconds now_ns_ = 0;  // time of the present call
   Nanoseconds boot_started_ns_ = 0;
   Nanoseconds heartbeat_due_ns_ = 0;
   int settled_cycles_ = 0;

@@ -16,22 +16,30 @@ bool is_enabled(const Drive& drive) noexcept { return drive.state() == MotorStat
 }  // namespace
 
 void Rig::supervise(Nanoseconds now) noexcept {
-  if (state_ == RigState::off) return;
+  if (state() == RigState::off) return;
   now_ns_ = now;
   check_buses();
+  check_stop_inputs();
   if (nodes_were_up()) {
     check_nodes(now);
     check_samples(now);
   }
   if (drives_were_up()) check_drives();
-  if (state_ == RigState::booting) boot(now);
-  if (state_ == RigState::enabling) wait_for_drives(now);
+  if (state() == RigState::booting) boot(now);
+  if (state() == RigState::enabling) wait_for_drives(now);
 }
 
 void Rig::check_buses() noexcept {
   for (std::size_t i = 0; i < buses_.size(); ++i) {
     if (is_cut_off(buses_[i].bus->state())) raise({.fault = RigFault::bus_down, .bus = i});
   }
+}
+
+// A pressed emergency stop raises the fault in every cycle, so clearing it is in vain until it is released.
+void Rig::check_stop_inputs() noexcept {
+  for (const ButtonOnBus& button : buttons_)
+    if (button.params.use == ButtonUse::stop && button.pressed)
+      raise(RigFault::quick_stop, nodes_[button.node]);
 }
 
 void Rig::check_nodes(Nanoseconds now) noexcept {
@@ -105,7 +113,7 @@ void Rig::boot(Nanoseconds now) noexcept {
     start_sent[node.bus] = true;
   }
   if (std::ranges::all_of(nodes_, [&](const RigNode& node) { return booted(node, now); })) {
-    state_ = RigState::enabling;
+    static_cast<void>(supervisor_.on(RigEvent::nodes_up));
     settled_cycles_ = 0;
     for (EncoderOnBus& encoder : encoders_) encoder.t_good_ns = now;
     for (DriveOnBus& drive : drives_) {
@@ -125,7 +133,8 @@ void Rig::wait_for_drives(Nanoseconds now) noexcept {
   for (DriveOnBus& drive : drives_) failed = failed_on_the_way(drive, now) || failed;
   if (std::ranges::all_of(drives_, [](const DriveOnBus& d) { return is_enabled(d.drive); })) {
     ++settled_cycles_;
-    if (drives_.empty() || settled_cycles_ > settle_cycles) state_ = RigState::ready;
+    if (drives_.empty() || settled_cycles_ > settle_cycles)
+      static_cast<void>(supervisor_.on(RigEvent::drives_up));
     return;
   }
   settled_cycles_ = 0;

@@ -23,7 +23,7 @@ bool Recoveries::again() {
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
   // A device armed again would have the same fault again.
-  if (any(session_.rig()->faults() & (RigFault::force_oscillates | RigFault::energy_gained))) return false;
+  if (any(session_.rig()->faults() & never_rearmed)) return false;
   // A drive that failed when enabled, before any step, would fail again.
   if (any(session_.rig()->faults() & RigFault::drive_error) && !cycle_.t_fault_ns()) return false;
   Recovery& recovery = list_.back();

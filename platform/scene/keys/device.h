@@ -156,7 +156,7 @@ void visit_button(V& v, const RigNames& names, ButtonParams& b) {
   choose(v,
          Key{"use", "",
              "hold: presses grip the nearest body and release it in turn; clutch: closes a relative device's "
-             "clutch while pressed"},
+             "clutch while pressed; stop: emergency stop, best a contact that opens, active_low"},
          button_use_names, b.use);
   visit_node(v, names, "CANopen node-ID", b.bus, b.node_id);
   v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);

@@ -1,0 +1,93 @@
+#include "hal/rig/supervisor.h"
+
+#include <array>
+
+namespace godobject {
+namespace {
+
+using enum RigState;
+using Torque = TorqueOutput;
+
+constexpr RigStates set_of(auto... states) noexcept {
+  return static_cast<RigStates>(((1u << static_cast<unsigned>(states)) | ...));
+}
+
+constexpr RigStates booting_to_fault = set_of(booting, enabling, ready, armed, hold, fault);
+
+constexpr std::array transitions{
+    RigTransition{set_of(off), RigEvent::start, booting, Torque::run_down, "request"},
+    RigTransition{set_of(booting), RigEvent::nodes_up, enabling, Torque::run_down,
+                  "every node is operational, every sensor has a sample"},
+    RigTransition{set_of(enabling), RigEvent::drives_up, ready, Torque::run_down,
+                  "every drive is enabled, for 10 cycles"},
+    RigTransition{set_of(ready), RigEvent::arm, armed, Torque::normal, "request"},
+    RigTransition{set_of(armed, hold), RigEvent::disarm, ready, Torque::run_down, "request"},
+    RigTransition{set_of(armed), RigEvent::pose_lost, hold, Torque::fade,
+                  "a sample is not valid, or too many deadlines were missed"},
+    RigTransition{set_of(hold), RigEvent::pose_back, armed, Torque::normal,
+                  "samples are valid, deadlines are kept; by the ramp"},
+    RigTransition{booting_to_fault, RigEvent::fault, fault, Torque::run_down, "any fault but `quick_stop`"},
+    RigTransition{booting_to_fault, RigEvent::quick_stop, fault, Torque::at_once,
+                  "emergency stop: request, input"},
+    RigTransition{set_of(stopping), RigEvent::quick_stop, stopping, Torque::at_once,
+                  "emergency stop: second signal, broken seal"},
+    RigTransition{set_of(fault), RigEvent::clear, booting, Torque::run_down, "request"},
+    RigTransition{booting_to_fault, RigEvent::stop, stopping, Torque::run_down,
+                  "first signal, last cycle, failed boot; a fault with `--rearm auto`"},
+    RigTransition{set_of(off), RigEvent::stop, ended, Torque::none, "request before the start"},
+    RigTransition{set_of(stopping), RigEvent::zero_reached, closing, Torque::none,
+                  "torque is zero, or 2 s have passed"},
+    RigTransition{set_of(closing), RigEvent::frames_sent, ended, Torque::none, "10 periods later"},
+    RigTransition{booting_to_fault, RigEvent::switch_off, off, Torque::none, "`closing` of the run"},
+    RigTransition{set_of(ended), RigEvent::restart, off, Torque::none, "`--rearm auto`"},
+};
+
+constexpr std::array<std::string_view, num_rig_states> state_names{
+    "off", "booting", "enabling", "ready", "armed", "hold", "fault", "stopping", "closing", "ended"};
+constexpr std::array<std::string_view, num_rig_events> event_names{
+    "start",      "nodes_up", "drives_up", "arm",          "disarm",      "pose_lost",  "pose_back", "fault",
+    "quick_stop", "clear",    "stop",      "zero_reached", "frames_sent", "switch_off", "restart"};
+constexpr std::array<std::string_view, num_torque_outputs> torque_texts{"none", "runs down", "normal",
+                                                                        "fades", "off at once"};
+
+std::string names_of(const RigTransition& row) {
+  if (row.from == booting_to_fault) return "booting to fault";
+  std::string names;
+  for (std::size_t i = 0; i < num_rig_states; ++i)
+    if (row.leaves(static_cast<RigState>(i)))
+      names += (names.empty() ? "" : ", ") + std::string(state_names[i]);
+  return names;
+}
+
+}  // namespace
+
+std::string_view name_of(RigState state) noexcept { return state_names[static_cast<std::size_t>(state)]; }
+std::string_view name_of(RigEvent event) noexcept { return event_names[static_cast<std::size_t>(event)]; }
+std::string_view text_of(TorqueOutput torque) noexcept {
+  return torque_texts[static_cast<std::size_t>(torque)];
+}
+
+std::span<const RigTransition> rig_transitions() noexcept { return transitions; }
+
+std::optional<Supervision> next(const Supervision& now, RigEvent event) noexcept {
+  for (const RigTransition& row : transitions) {
+    if (row.event != event || !row.leaves(now.state)) continue;
+    Supervision after{.state = row.to, .torque = row.torque, .reached = row.to};
+    if (row.to == fault) after.reached = now.reached;
+    const bool stays_off = now.torque == Torque::at_once && event != RigEvent::clear;
+    if (stays_off && row.torque == Torque::run_down) after.torque = Torque::at_once;
+    return after;
+  }
+  return std::nullopt;
+}
+
+std::string rig_transitions_markdown() {
+  std::string text = "| from | event | to | torque | cause |\n|---|---|---|---|---|\n";
+  for (const RigTransition& row : transitions)
+    text += "| " + names_of(row) + " | `" + std::string(name_of(row.event)) + "` | " +
+            std::string(name_of(row.to)) + " | " + std::string(text_of(row.torque)) + " | " +
+            std::string(row.cause) + " |\n";
+  return text;
+}
+
+}  // namespace godobject
