@@ -57,16 +57,32 @@ bool DevicePhases::boots() const noexcept {
                              [](const HandDevice* device) { return device->boot_limit_s().has_value(); });
 }
 
+RunPhase phase_of(RigState state) noexcept {
+  switch (state) {
+    case RigState::off: return RunPhase::off;
+    case RigState::booting:
+    case RigState::enabling:
+    case RigState::ready: return RunPhase::booting;
+    case RigState::armed:
+    case RigState::hold:
+    case RigState::fault: return RunPhase::running;
+    case RigState::stopping: return RunPhase::running_down;
+    case RigState::closing: return RunPhase::closing;
+    case RigState::ended: break;
+  }
+  return RunPhase::ended;
+}
+
 void DevicePhases::start(double limit_s) noexcept {
-  if (phase_ != RunPhase::off) return;
-  phase_ = boots() ? RunPhase::booting : RunPhase::running;
+  if (!supervisor_.on(RigEvent::start)) return;
+  if (!boots()) arm();
   for (const HandDevice* const device : devices_)
     limit_s = std::max(limit_s, device->boot_limit_s().value_or(0));
   periods_left_ = periods(limit_s);
 }
 
 void DevicePhases::advance(double t) noexcept {
-  switch (phase_) {
+  switch (phase()) {
     case RunPhase::booting: return boot(begin(t));
     case RunPhase::running_down: return run_down(begin(t));
     case RunPhase::closing: return close(begin(t));
@@ -85,36 +101,39 @@ Period& DevicePhases::begin(double t) noexcept {
 
 void DevicePhases::boot(Period& period) noexcept {
   for (HandDevice* const device : devices_) device->boot(period);
-  if (arm()) {
-    phase_ = RunPhase::running;
-  } else if (std::ranges::any_of(devices_, &HandDevice::failed) || --periods_left_ <= 0) {
-    give_up_running();
-  }
+  arm();
+  if (phase() == RunPhase::running) return;
+  if (std::ranges::any_of(devices_, &HandDevice::failed) || --periods_left_ <= 0) give_up_running();
 }
 
-/// Arms the devices once all are ready.
-bool DevicePhases::arm() noexcept {
-  return std::ranges::all_of(devices_, &HandDevice::ready) && std::ranges::all_of(devices_, &HandDevice::arm);
+/// Arms the devices once all are ready. start() is the request to do so.
+void DevicePhases::arm() noexcept {
+  if (!std::ranges::all_of(devices_, &HandDevice::ready)) return;
+  for (const RigEvent event : {RigEvent::nodes_up, RigEvent::drives_up})
+    static_cast<void>(supervisor_.on(event));
+  if (std::ranges::all_of(devices_, &HandDevice::arm)) static_cast<void>(supervisor_.on(RigEvent::arm));
 }
 
 void DevicePhases::stop() noexcept {
-  if (phase_ == RunPhase::off) phase_ = RunPhase::ended;
-  if (phase_ == RunPhase::booting || phase_ == RunPhase::running) give_up_running();
+  if (phase() == RunPhase::off) static_cast<void>(supervisor_.on(RigEvent::stop));
+  if (phase() == RunPhase::booting || phase() == RunPhase::running) give_up_running();
 }
 
 void DevicePhases::quick_stop() noexcept {
   stop();
-  if (phase_ != RunPhase::running_down) return;
+  if (phase() != RunPhase::running_down) return;
+  static_cast<void>(supervisor_.on(RigEvent::quick_stop));
   for (HandDevice* const device : devices_) device->quick_stop();
 }
 
 void DevicePhases::give_up_running() noexcept {
+  static_cast<void>(supervisor_.on(RigEvent::stop));
   if (!makes_torque()) {
-    phase_ = RunPhase::ended;
+    for (const RigEvent event : {RigEvent::zero_reached, RigEvent::frames_sent})
+      static_cast<void>(supervisor_.on(event));
     return;
   }
   for (HandDevice* const device : devices_) device->disarm();
-  phase_ = RunPhase::running_down;
   periods_left_ = periods(shut_down_limit_s);
 }
 
@@ -125,18 +144,17 @@ void DevicePhases::run_down(Period& period) noexcept {
     if (goes_on) return;
   }
   for (HandDevice* const device : devices_) device->stop(period);
-  phase_ = RunPhase::closing;
+  static_cast<void>(supervisor_.on(RigEvent::zero_reached));
   periods_left_ = closing_periods;
 }
 
 void DevicePhases::close(Period& period) noexcept {
   for (HandDevice* const device : devices_) device->close(period);
-  if (--periods_left_ == 0) phase_ = RunPhase::ended;
+  if (--periods_left_ == 0) static_cast<void>(supervisor_.on(RigEvent::frames_sent));
 }
 
 void DevicePhases::restart() {
-  if (phase_ != RunPhase::ended) return;
-  phase_ = RunPhase::off;
+  if (!supervisor_.on(RigEvent::restart)) return;
   for (HandDevice* const device : devices_) device->restart();
 }
 

@@ -169,15 +169,16 @@ class HandedMotion final : public HandDevice {
 inline constexpr double usual_boot_limit_s = 10;
 inline constexpr double shut_down_limit_s = 2;
 
-/// Purpose of a period. A run passes through these in order; a fault or stop() skips some.
+/// Purpose of a period, by the state of the run. A run passes through these in order; stop() skips some.
 enum class RunPhase : std::uint8_t {
   off,
   booting,       // nodes boot; the hand of a simulated rig is at rest
-  running,       // motion and steps
-  running_down,  // torque runs down to zero
+  running,       // motion and steps: armed, hold, fault
+  running_down,  // torque runs down to zero: stopping
   closing,       // drives disabled, nodes pre-operational; their frames are sent
   ended,
 };
+RunPhase phase_of(RigState state) noexcept;
 
 class DevicePhases {
  public:
@@ -203,7 +204,18 @@ class DevicePhases {
   /// Enters off from ended; the devices discard their state. Allocates.
   void restart();
 
-  RunPhase phase() const noexcept { return phase_; }
+  /// Enters hold, or armed again.
+  void hold(bool pose_is_lost) noexcept {
+    static_cast<void>(supervisor_.on(pose_is_lost ? RigEvent::pose_lost : RigEvent::pose_back));
+  }
+  /// Enters fault from a step, until stop().
+  void fault() noexcept {
+    if (phase() == RunPhase::running) static_cast<void>(supervisor_.on(RigEvent::fault));
+  }
+
+  RunPhase phase() const noexcept { return phase_of(supervisor_.state()); }
+  /// Returns the state of the run; of a step: armed, hold or fault.
+  const Supervisor& supervisor() const noexcept { return supervisor_; }
   const Period& period() const noexcept { return period_; }
   Period& period() noexcept { return period_; }
   bool makes_torque() const noexcept;
@@ -211,7 +223,7 @@ class DevicePhases {
 
  private:
   void boot(Period& period) noexcept;
-  bool arm() noexcept;
+  void arm() noexcept;
   void run_down(Period& period) noexcept;
   void close(Period& period) noexcept;
   void give_up_running() noexcept;
@@ -219,7 +231,7 @@ class DevicePhases {
 
   std::vector<HandDevice*> devices_;
   Period period_;
-  RunPhase phase_ = RunPhase::off;
+  Supervisor supervisor_;
   std::int64_t periods_left_ = 0;  // maximum for the present phase
 };
 

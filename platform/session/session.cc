@@ -36,8 +36,9 @@ void Session::check() noexcept {
     if (disengages_) samples_[body].engaged = false;
   if (real_) pass_missed_time();
   disengages_ = false;
-  if (!on_hold_ && !deadlines_missed_) return;
-  for (BodySample& sample : samples_) sample.valid = false;
+  if (on_hold_ || deadlines_missed_)
+    for (BodySample& sample : samples_) sample.valid = false;
+  phases_.hold(!std::ranges::all_of(samples_, &BodySample::valid));
 }
 
 void Session::step(CycleRecord& record) noexcept {
@@ -71,6 +72,7 @@ void Session::command(CycleRecord& record) noexcept {
   for (std::size_t i = 0; i < num_wrenches; ++i)
     shown.oscillates = swings_->shows(i, F_hand_W_[driven_[i]]) || shown.oscillates;
   for (HandDevice* const device : phases_.devices()) device->command(phases_.period(), F_hand_W_, shown);
+  if (any(shown.faults) || deadlines_missed_) phases_.fault();
   record.drives = shown.drives;
   record.force_oscillates = shown.oscillates;
   record.rig_faults = shown.faults;

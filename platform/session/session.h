@@ -76,6 +76,8 @@ class Session {
   /// then it is disabled.
   void quick_stop() noexcept { phases_.quick_stop(); }
   RunPhase phase() const noexcept { return phases_.phase(); }
+  /// Returns the state of the run, see docs/faults.md; of a step: armed, hold or fault.
+  RigState state() const noexcept { return phases_.supervisor().state(); }
   /// Enters off from ended, with a new rig: start() boots the nodes again. The engine keeps its state, and
   /// the device engages again with the ramp. Allocates.
   void restart();

@@ -1,4 +1,4 @@
-// The table of states: one row per state and event, no way to torque without a request, and its copy in docs/faults.md.
+// The table of states: one row per state and event, no torque without a request. docs/faults.md has a copy.
 #include "hal/rig/supervisor.h"
 
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@ std::vector<RigEvent> all_events() {
 
 auto key(const Supervision& s) { return std::tuple(s.state, s.torque, s.reached); }
 
-/// A state of the supervisor, and true if torque was requested since it was last off or stopped.
+/// A state of the supervisor. requested: torque was requested since it was last off or stopped.
 struct Node {
   Supervision now;
   bool requested = false;

@@ -1,0 +1,157 @@
+// Every reachable state of a rig, its drive and its link, with every event: breadth first, over the real
+// code and a scripted device. States that differ in timers only count as one. Then random sequences.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <fstream>
+#include <random>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include "tests/support/share.h"
+#include "tests/support/supervised_rig.h"
+
+namespace godobject::test_explored {
+namespace {
+
+using cia402::DriveState;
+using test::input_id;
+using test::num_rig_trials;
+using test::RigTrial;
+using test::SupervisedRig;
+using testing::HasSubstr;
+
+using Path = std::vector<RigTrial>;
+
+std::string text_of(const Path& path) {
+  std::string text;
+  for (const RigTrial event : path)
+    text += std::string(" ") + test::rig_trial_names[static_cast<std::size_t>(event)];
+  return text;
+}
+
+TEST(Explored, EveryStateOfRigDriveAndLinkKeepsThePromises) {
+  std::deque<Path> open{{}};
+  std::set<decltype(SupervisedRig{}.key())> seen{SupervisedRig{}.key()};
+  std::set<RigState> rig_states;
+  std::size_t num_transitions = 0;
+  while (!open.empty()) {
+    const Path path = open.front();
+    open.pop_front();
+    for (int i = 0; i < num_rig_trials; ++i) {
+      SupervisedRig world;
+      Path longer = path;
+      longer.push_back(static_cast<RigTrial>(i));
+      for (const RigTrial event : longer) world.apply(event);
+      ++num_transitions;
+      rig_states.insert(world.rig.state());
+      ASSERT_EQ(world.broken, "") << "after the events" << text_of(longer);
+      if (seen.insert(world.key()).second) open.push_back(longer);
+    }
+  }
+  EXPECT_EQ(rig_states.size(), 6u);
+  std::ifstream file(GODOBJECT_SOURCE_DIR "/docs/faults.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr(std::to_string(seen.size()) + " states with " +
+                                    std::to_string(num_rig_trials) + " events"));
+}
+
+/// Returns the shortest path found by leaving out events, one at a time, that still breaks a promise.
+template <class Breaks>
+Path shrunk(Path path, Breaks&& breaks) {
+  for (std::size_t i = 0; i < path.size();) {
+    Path shorter;
+    for (std::size_t k = 0; k < path.size(); ++k)
+      if (k != i) shorter.push_back(path[k]);
+    if (!breaks(shorter)) ++i;
+    else {
+      path = shorter;
+      i = 0;
+    }
+  }
+  return path;
+}
+
+std::string broken_by(const Path& path) {
+  SupervisedRig world;
+  for (const RigTrial event : path) world.apply(event);
+  return world.broken;
+}
+
+TEST(FaultCampaign, CounterExamplesAreShrunk) {
+  const Path path{RigTrial::start, RigTrial::bus_off, RigTrial::wait, RigTrial::arm, RigTrial::cycle};
+  const auto breaks = [](const Path& p) {
+    const auto off = std::ranges::find(p, RigTrial::bus_off);
+    return std::find(off, p.end(), RigTrial::arm) != p.end();
+  };
+  EXPECT_EQ(shrunk(path, breaks), (Path{RigTrial::bus_off, RigTrial::arm}));
+}
+
+TEST(FaultCampaign, RandomSequencesKeepThePromises) {
+  constexpr int num_sequences = 500, most_events = 20;
+  constexpr std::array requests{RigTrial::clear, RigTrial::wait, RigTrial::arm};
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t n) {
+    return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+  };
+  test::Share share;
+  for (int i = 0; i < num_sequences; ++i) {
+    Path path{RigTrial::start, RigTrial::wait, RigTrial::arm};
+    const std::size_t length = 1 + below(most_events);
+    for (std::size_t k = 0; k < length; ++k)
+      path.push_back(below(3) == 0 ? requests[below(requests.size())]
+                                   : static_cast<RigTrial>(below(static_cast<std::size_t>(num_rig_trials))));
+    if (!share.takes()) continue;
+    const std::string broken = broken_by(path);
+    if (broken.empty()) continue;
+    const Path shortest = shrunk(path, [](const Path& p) { return !broken_by(p).empty(); });
+    FAIL() << broken << ":" << text_of(shortest);
+  }
+}
+
+/// Applies events in turn.
+void apply(SupervisedRig& world, std::initializer_list<RigTrial> events) {
+  for (const RigTrial event : events) world.apply(event);
+}
+
+TEST(EmergencyStopInput, RemovesTheTorqueInTheSameCycle) {
+  SupervisedRig world;
+  apply(world, {RigTrial::start, RigTrial::wait, RigTrial::arm, RigTrial::cycle, RigTrial::cycle});
+  ASSERT_NE(world.rig.commanded_torque_Nm(0), 0);
+  world.apply(RigTrial::press_stop);
+  EXPECT_EQ(world.rig.state(), RigState::fault);
+  EXPECT_EQ(world.rig.torque_output(), TorqueOutput::at_once);
+  EXPECT_EQ(world.device.torque_per_mille, 0);
+  EXPECT_NE(world.device.drive, DriveState::operation_enabled);
+  const RigFaultRecord record = world.rig.fault_log().first(RigFault::quick_stop);
+  EXPECT_EQ(record.place.node_id, input_id);
+  EXPECT_EQ(world.rig.faults(), RigFault::quick_stop);
+}
+
+TEST(EmergencyStopInput, IsClearedAfterItsReleaseOnly) {
+  SupervisedRig world;
+  apply(world, {RigTrial::start, RigTrial::wait, RigTrial::arm, RigTrial::press_stop, RigTrial::wait,
+                RigTrial::clear});
+  EXPECT_EQ(world.rig.state(), RigState::fault) << "still pressed";
+  apply(world, {RigTrial::release_stop, RigTrial::wait});
+  EXPECT_EQ(world.rig.state(), RigState::fault) << "not cleared";
+  apply(world, {RigTrial::clear, RigTrial::wait});
+  EXPECT_EQ(world.rig.state(), RigState::ready) << "not armed without a request";
+  EXPECT_EQ(world.broken, "");
+}
+
+TEST(EmergencyStopInput, ActsWhileAnotherFaultRunsDown) {
+  SupervisedRig world;
+  apply(world, {RigTrial::start, RigTrial::wait, RigTrial::arm, RigTrial::wait, RigTrial::deadlines_missed});
+  ASSERT_NE(world.rig.commanded_torque_Nm(0), 0);
+  world.apply(RigTrial::press_stop);
+  EXPECT_EQ(world.rig.commanded_torque_Nm(0), 0);
+  EXPECT_EQ(world.rig.torque_output(), TorqueOutput::at_once);
+}
+
+}  // namespace
+}  // namespace godobject::test_explored

@@ -1,0 +1,118 @@
+// A device of one encoder, one CiA 402 drive and one emergency stop, without a simulated bus.
+#pragma once
+
+#include <deque>
+#include <utility>
+
+#include "hal/can/bus.h"
+#include "hal/canopen/cia401.h"
+#include "hal/canopen/cia406.h"
+#include "hal/drive/cia402.h"
+
+namespace godobject::test {
+
+using canopen::NmtState;
+using cia402::DriveState;
+
+inline constexpr Nanoseconds ms = 1'000'000;
+inline constexpr std::uint8_t encoder_id = 1, drive_id = 2, input_id = 3;
+inline constexpr int watchdog_cycles = 20;
+
+/// The other end of the host's bus.
+class ScriptedDevice final : public CanBus {
+ public:
+  bool open() noexcept override { return true; }
+  void close() noexcept override {}
+  SendResult try_send(const CanFrame& frame) noexcept override {
+    if (is_full || is_off) return SendResult::full;
+    receive_from_host(frame);
+    return SendResult::queued;
+  }
+  bool try_receive(ReceivedFrame& out) noexcept override {
+    if (to_host_.empty()) return false;
+    out = to_host_.front();
+    to_host_.pop_front();
+    return true;
+  }
+  BusState state() const noexcept override { return is_off ? BusState::bus_off : BusState::error_active; }
+  BusCounters counters() const noexcept override { return {}; }
+
+  void send(const CanFrame& frame, Nanoseconds t) {
+    if (!is_off) to_host_.push_back({frame, t});
+  }
+
+  /// Sends heartbeats, and the answers to SYNC if it was sent.
+  void answer(Nanoseconds now) {
+    if (now % (10 * ms) == 0) {
+      if (encoder_plugged) send(canopen::make_heartbeat(encoder_id, encoder_nmt), now);
+      if (drive_powered) send(canopen::make_heartbeat(drive_id, drive_nmt), now);
+      send(canopen::make_heartbeat(input_id, NmtState::operational), now);
+      send(cia401::make_inputs(input_id, stop_pressed ? 1 : 0), now);
+    }
+    if (!std::exchange(synced_, false)) return;
+    if (encoder_plugged && encoder_nmt == NmtState::operational)
+      send(cia406::make_position(encoder_id, 0), now + ms / 4);
+    if (!drive_powered || drive_nmt != NmtState::operational) return;
+    const unsigned status = cia402::encode_state(drive) | cia402::status_follows_command;
+    send(cia402::make_status(drive_id, {.statusword = static_cast<std::uint16_t>(status)}), now + ms / 4);
+  }
+  /// Ends a cycle: the drive's watchdog.
+  void end_cycle() {
+    if (cycles_without_command++ > watchdog_cycles && drive == DriveState::operation_enabled)
+      drive = DriveState::fault;
+    if (drive != DriveState::operation_enabled) torque_per_mille = 0;
+  }
+  void power_drive(bool on, Nanoseconds now) {
+    if (drive_powered == on) return;
+    drive_powered = on;
+    drive = DriveState::switch_on_disabled;
+    drive_nmt = NmtState::pre_operational;
+    torque_per_mille = 0;
+    if (on) send(canopen::make_heartbeat(drive_id, NmtState::boot_up), now);
+  }
+
+  bool is_off = false, is_full = false, stop_pressed = false;
+  bool encoder_plugged = true, drive_powered = true;
+  NmtState encoder_nmt = NmtState::pre_operational, drive_nmt = NmtState::pre_operational;
+  DriveState drive = DriveState::switch_on_disabled;
+  int torque_per_mille = 0;
+  int cycles_without_command = 0;
+
+ private:
+  void receive_from_host(const CanFrame& frame) {
+    canopen::Nmt nmt;
+    cia402::Command command;
+    if (frame.id == canopen::sync_cob_id) synced_ = true;
+    if (canopen::parse_nmt(frame, nmt) == ParseResult::ok) {
+      const NmtState to =
+          nmt.command == canopen::NmtCommand::start ? NmtState::operational : NmtState::pre_operational;
+      if (nmt.node == encoder_id) encoder_nmt = to;
+      if (nmt.node == drive_id && drive_powered) drive_nmt = to;
+    }
+    if (drive_powered && cia402::parse_command(frame, drive_id, command) == ParseResult::ok) follow(command);
+  }
+  void follow(const cia402::Command& command) {
+    if (drive_nmt != NmtState::operational) return;
+    cycles_without_command = 0;
+    torque_per_mille = command.target_torque_per_mille;
+    const bool is_fault = drive == DriveState::fault;
+    if (is_fault && (command.controlword & cia402::fault_reset_bit) != 0)
+      drive = DriveState::switch_on_disabled;
+    if (is_fault) return;
+    switch (command.controlword) {
+      case cia402::shutdown: drive = DriveState::ready_to_switch_on; break;
+      case cia402::switch_on:
+        if (drive == DriveState::ready_to_switch_on) drive = DriveState::switched_on;
+        break;
+      case cia402::enable_operation:
+        if (drive == DriveState::switched_on) drive = DriveState::operation_enabled;
+        break;
+      default: drive = DriveState::switch_on_disabled; break;
+    }
+  }
+
+  std::deque<ReceivedFrame> to_host_;
+  bool synced_ = false;
+};
+
+}  // namespace godobject::test
