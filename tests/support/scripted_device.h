@@ -19,7 +19,7 @@ inline constexpr std::uint8_t encoder_id = 1, drive_id = 2, input_id = 3;
 inline constexpr int watchdog_cycles = 20;
 
 /// The other end of the host's bus.
-class ScriptedDevice final : public CanBus {
+class ScriptedDevice : public CanBus {
  public:
   bool open() noexcept override { return true; }
   void close() noexcept override {}
@@ -43,18 +43,24 @@ class ScriptedDevice final : public CanBus {
 
   /// Sends heartbeats, and the answers to SYNC if it was sent.
   void answer(Nanoseconds now) {
-    if (now % (10 * ms) == 0) {
+    if (sends_heartbeats && now % (10 * ms) == 0) {
       if (encoder_plugged) send(canopen::make_heartbeat(encoder_id, encoder_nmt), now);
       if (drive_powered) send(canopen::make_heartbeat(drive_id, drive_nmt), now);
       send(canopen::make_heartbeat(input_id, NmtState::operational), now);
       send(cia401::make_inputs(input_id, stop_pressed ? 1 : 0), now);
     }
-    if (!std::exchange(synced_, false)) return;
-    if (encoder_plugged && encoder_nmt == NmtState::operational)
-      send(cia406::make_position(encoder_id, 0), now + ms / 4);
-    if (!drive_powered || drive_nmt != NmtState::operational) return;
+    syncs_.push_back(std::exchange(synced_, false));
+    const bool answers = syncs_.size() > delay_cycles && syncs_.front();
+    while (syncs_.size() > delay_cycles) syncs_.pop_front();
+    if (!answers || !answers_sync) return;
+    if (encoder_answers && encoder_plugged && encoder_nmt == NmtState::operational)
+      send(cia406::make_position(encoder_id, encoder_counts), now + ms / 4);
+    if (!drive_answers || !drive_powered || drive_nmt != NmtState::operational) return;
+    if (++num_syncs_ % status_every_nth_sync != 0) return;
     const unsigned status = cia402::encode_state(drive) | cia402::status_follows_command;
-    send(cia402::make_status(drive_id, {.statusword = static_cast<std::uint16_t>(status)}), now + ms / 4);
+    send(cia402::make_status(
+             drive_id, {.statusword = static_cast<std::uint16_t>(status), .position_counts = drive_counts}),
+         now + ms / 4);
   }
   /// Ends a cycle: the drive's watchdog.
   void end_cycle() {
@@ -73,9 +79,16 @@ class ScriptedDevice final : public CanBus {
 
   bool is_off = false, is_full = false, stop_pressed = false;
   bool encoder_plugged = true, drive_powered = true;
+  int status_every_nth_sync = 1;
+  bool sends_heartbeats = true, answers_sync = true, encoder_answers = true, drive_answers = true;
+  std::size_t delay_cycles = 0;     // of the answers to SYNC
+  bool encoder_stays_down = false;  // it ignores NMT start
   NmtState encoder_nmt = NmtState::pre_operational, drive_nmt = NmtState::pre_operational;
   DriveState drive = DriveState::switch_on_disabled;
+  std::uint32_t encoder_counts = 0;
+  std::int32_t drive_counts = 0;
   int torque_per_mille = 0;
+  int nmt_starts_of_encoder = 0;
   int cycles_without_command = 0;
 
  private:
@@ -86,7 +99,8 @@ class ScriptedDevice final : public CanBus {
     if (canopen::parse_nmt(frame, nmt) == ParseResult::ok) {
       const NmtState to =
           nmt.command == canopen::NmtCommand::start ? NmtState::operational : NmtState::pre_operational;
-      if (nmt.node == encoder_id) encoder_nmt = to;
+      if (nmt.node == encoder_id) encoder_nmt = encoder_stays_down ? NmtState::pre_operational : to;
+      if (nmt.node == encoder_id && to == NmtState::operational) ++nmt_starts_of_encoder;
       if (nmt.node == drive_id && drive_powered) drive_nmt = to;
     }
     if (drive_powered && cia402::parse_command(frame, drive_id, command) == ParseResult::ok) follow(command);
@@ -113,6 +127,8 @@ class ScriptedDevice final : public CanBus {
 
   std::deque<ReceivedFrame> to_host_;
   bool synced_ = false;
+  int num_syncs_ = 0;
+  std::deque<bool> syncs_;  // unanswered, the oldest first
 };
 
 }  // namespace godobject::test

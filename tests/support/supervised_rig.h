@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "hal/rig/rig.h"
 #include "tests/support/scripted_device.h"
@@ -99,6 +100,8 @@ static_assert(rig_trial_names.size() == num_rig_trials);
 /// A rig on the device, and the promises that hold in every cycle.
 class SupervisedRig {
  public:
+  explicit SupervisedRig(RigParams of_rig = params_of_rig()) : params(std::move(of_rig)) {}
+
   void apply(RigTrial event) {
     bool finite = true;
     int cycles = 1;
@@ -146,6 +149,8 @@ class SupervisedRig {
     for (int i = 0; i < cycles; ++i) cycle(finite);
   }
 
+  Nanoseconds now() const { return now_; }
+
   auto key() const {
     const bool link_is_open = !device.is_off && !device.is_full;
     const int drive = device.drive == DriveState::operation_enabled ? 1
@@ -159,7 +164,7 @@ class SupervisedRig {
 
   ScriptedDevice device;
   std::array<CanBus*, 1> buses{&device};
-  const RigParams params = params_of_rig();
+  const RigParams params;
   Rig rig{params, cycle_s, buses};
   std::string broken;  // the first broken promise
 
