@@ -42,6 +42,12 @@ struct BodyView {
   Wrench contact_W;   // sum of its contact wrenches, about its centre of mass; mean over the step
 };
 
+/// Plane of another simulation, touched like an obstacle, without friction.
+struct ContactPlane {
+  Vec3 p_W = Vec3::Zero(), n_W = Vec3::UnitZ();  // a point, m; normal, out of the solid
+  double k = 0, c = 0;                           // N/m, N s/m
+};
+
 /// A contact that bears a force. The force acts on a sphere or shape edge of body a, or on node a of the
 /// nets. Its counterpart is body b, the world, or the surface of a net.
 struct ContactView {
@@ -126,6 +132,16 @@ class Engine {
   /// a gear acts along coordinate b. Real-time.
   virtual void term_forces(std::span<Wrench> F_W) const noexcept GODOBJECT_NONBLOCKING = 0;
   virtual std::uint64_t state_hash() const noexcept GODOBJECT_NONBLOCKING = 0;
+
+  // Planes of another simulation: see SceneConfig::world_planes.
+
+  /// Returns SceneContacts::surfaces index of the first plane.
+  virtual std::size_t first_plane() const noexcept GODOBJECT_NONBLOCKING = 0;
+  /// Moves plane i before a step. The plane is at rest during the step. Real-time.
+  virtual void set_plane(std::size_t i, const ContactPlane& plane) noexcept GODOBJECT_NONBLOCKING = 0;
+  /// Returns the depth of the deepest sphere or shape of all bodies below a plane, m; negative if it is above
+  /// the plane, -infinity without contacts. Real-time.
+  virtual double depth_below(const Vec3& p_W, const Vec3& n_W) const noexcept GODOBJECT_NONBLOCKING = 0;
 
   // Snapshots: all that a step leaves to the next, as the bytes of this build of this composition.
 

@@ -191,6 +191,13 @@ constexpr ContactScope scope_of() noexcept {
   else return ContactsOf<S>::between_bodies ? ContactScope::bodies : ContactScope::obstacles;
 }
 
+/// Returns the rotation from the z axis to a unit vector, about an axis normal to both.
+inline Quat turned_from_z(const Vec3& n) noexcept {
+  constexpr Real opposite = 1e-9;
+  if (n.z() < opposite - 1) return Quat(0, 1, 0, 0);
+  return Quat(1 + n.z(), -n.y(), n.x(), 0).normalized();
+}
+
 template <Scene S>
 class EngineOf final : public Engine {
  public:
@@ -199,6 +206,9 @@ class EngineOf final : public Engine {
       : composition_(std::move(composition)), par_(params_of<S>(scene)) {
     if constexpr (uses<ContactsOf<S>>) {
       contacts_ = scene_contacts(scene);
+      while (first_plane_ < contacts_.surfaces.size() && contacts_.surfaces[first_plane_].body == world)
+        ++first_plane_;
+      first_plane_ -= scene.world_planes;
       set_contact_params(contacts_, par_.contacts);
     }
     if constexpr (uses<TermsOf<S>>) {
@@ -348,6 +358,42 @@ class EngineOf final : public Engine {
 
   std::uint64_t state_hash() const noexcept override { return godobject::state_hash(par_, x_); }
 
+  std::size_t first_plane() const noexcept override { return first_plane_; }
+
+  void set_plane(std::size_t i, const ContactPlane& plane) noexcept override {
+    if constexpr (uses<ContactsOf<S>>) {
+      Surface& surface = par_.contacts.surfaces[first_plane_ + i];
+      surface.shape.X_WS = {.p = plane.p_W, .q = turned_from_z(plane.n_W)};
+      auto& laws = par_.contacts.laws;
+      for (std::size_t m = 0; m < laws.size(); ++m)
+        laws[m][surface.material] = laws[surface.material][m] = {.k = plane.k, .c = plane.c};
+    }
+  }
+
+  double depth_below(const Vec3& p_W, const Vec3& n_W) const noexcept override {
+    double deepest = -std::numeric_limits<double>::infinity();
+    if constexpr (uses<ContactsOf<S>>) {
+      const auto add = [&](std::size_t body, const Vec3& p_B, Real radius) noexcept {
+        const Pose& X = x_.bodies[body].x.X_WB;
+        deepest = std::max<double>(deepest, n_W.dot(p_W - X.p - to_world(X.q, p_B)) + radius);
+      };
+      const auto& contacts = par_.contacts;
+      for (std::size_t i = 0; i < contacts.num_spheres; ++i)
+        add(contacts.spheres[i].body, contacts.spheres[i].p_B, contacts.spheres[i].radius);
+      for (std::size_t i = 0; i < contacts.num_surfaces; ++i) {
+        const Surface& surface = contacts.surfaces[i];
+        if (surface.body == world) continue;
+        const ShapeParams& shape = surface.shape;
+        for (std::uint32_t j = 0; j < num_points(shape.kind); ++j) {
+          const ShapePoint point = point_of(shape, j, half_thickness(shape));
+          const Real radius = shape.kind == ShapeKind::box ? 0 : point.r;
+          add(surface.body, shape.X_WS.p + to_world(shape.X_WS.q, Vec3(point.p_S + point.tip_S)), radius);
+        }
+      }
+    }
+    return deepest;
+  }
+
   std::size_t snapshot_bytes() const noexcept override {
     std::size_t size = 0;
     each_kept(*this, [&](const auto& member) { size += padded(sizeof member); });
@@ -400,6 +446,7 @@ class EngineOf final : public Engine {
   Output<S> out_;
   EnergyBalance<S> balance_;
   std::uint64_t tick_ = 0;
+  std::size_t first_plane_ = 0;
   std::size_t num_gears_ = 0;                 // before the springs of joints among the springs on coordinates
   std::array<Target, S::max_bodies> before_;  // previous valid target, for increments
 };

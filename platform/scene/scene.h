@@ -198,6 +198,7 @@ struct SceneConfig {
   std::vector<NetConfig> nets{};
   int net_iterations = NetParams<1, 1>{}.max_iterations;  // largest number in a stage, for all nets
   std::vector<ObstacleConfig> obstacles;
+  std::size_t world_planes = 0;         // planes of another simulation (platform/session/world.h)
   std::vector<ContactConfig> contacts;  // one for every pair of materials that can meet
   std::optional<DeviceConfig> device;   // drives the bodies that have a handle
   std::optional<MotionConfig> motion;

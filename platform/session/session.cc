@@ -42,9 +42,11 @@ void Session::check() noexcept {
 }
 
 void Session::step(CycleRecord& record) noexcept {
+  if (world_ != nullptr) world_->begin(*engine_);
   const Nanoseconds start = step_clock_();
   const StepReport report = engine_->step(samples_);
   record.step_ns = step_clock_() - start;
+  if (world_ != nullptr) world_->end(*engine_, motion_time());
   record.fault = report.fault;
   record.limited = report.limited;
   record.contacts = report.contacts;

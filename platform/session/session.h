@@ -19,6 +19,7 @@
 #include "platform/scene/toml.h"
 #include "platform/session/grip.h"
 #include "platform/session/record.h"
+#include "platform/session/world.h"
 
 namespace godobject {
 
@@ -56,6 +57,12 @@ class Session {
   /// Adds a device, which overwrites the samples of those before it. Call it before start(). The device must
   /// outlive the session. Allocates.
   void add(HandDevice& device) { phases_.add(device); }
+
+  /// Adds the planes of another simulation, of this session's scene and engine. Call it before start(). They
+  /// must outlive the session.
+  void add(WorldPlanes& world) noexcept { world_ = &world; }
+  /// Returns the planes of another simulation; null without one.
+  const WorldPlanes* world() const noexcept { return world_; }
 
   /// Enters booting from off, or running if there is neither bus nor tracker.
   /// limit_s: bus time after which booting fails, s; the slowest tracker may prolong it.
@@ -169,6 +176,7 @@ class Session {
   std::optional<RigDevice> rig_;
   std::optional<TrackerDevice> trackers_;
   DevicePhases phases_;
+  WorldPlanes* world_ = nullptr;
   std::optional<Grip> grip_;  // grip of a device that grips bodies; it uses the first driven body's samples
 
   /// Position of the device in its last valid sample, world; NaN before the first, which no body is near to.

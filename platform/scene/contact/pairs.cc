@@ -123,7 +123,8 @@ ContactScope contact_scope(const SceneConfig& scene) {
         return ContactScope::bodies;
   if (std::ranges::count_if(scene.nets, touches) > 1) return ContactScope::bodies;
   if (std::ranges::any_of(scene.nets, &NetConfig::touches_itself)) return ContactScope::bodies;
-  return scene.obstacles.empty() ? ContactScope::none : ContactScope::obstacles;
+  const bool is_alone = scene.obstacles.empty() && scene.world_planes == 0;
+  return is_alone ? ContactScope::none : ContactScope::obstacles;
 }
 
 std::vector<MaterialUse> materials_of(const SceneConfig& scene) {

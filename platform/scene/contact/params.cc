@@ -76,6 +76,7 @@ class ContactBuilder {
     for (const MaterialUse& use : materials_of(scene)) to_.materials.push_back(use.material);
     for (const ContactConfig& contact : scene.contacts) add(contact);
     for (const ObstacleConfig& obstacle : scene.obstacles) add(obstacle);
+    for (std::size_t i = 0; i < scene.world_planes; ++i) add_world_plane(i);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) add(scene.bodies[i], i);
   }
   SceneContacts take() { return std::move(to_); }
@@ -101,6 +102,15 @@ class ContactBuilder {
       to_.surfaces.push_back({.body = world, .shape = shape, .material = id_of(obstacle.shape.material)});
       to_.surface_names.push_back("obstacle '" + obstacle.name + "'");
     }
+  }
+
+  /// Adds a plane of another simulation, out of reach and with a material of its own.
+  void add_world_plane(std::size_t i) {
+    to_.surfaces.push_back({.body = world,
+                            .shape = {.kind = ShapeKind::plane, .X_WS = {.p = parked_plane}},
+                            .material = static_cast<MaterialId>(to_.materials.size())});
+    to_.surface_names.push_back("plane " + std::to_string(i) + " of the world");
+    to_.materials.push_back(to_.surface_names.back());
   }
 
   void add(const BodyConfig& body, std::size_t index) {
@@ -199,7 +209,7 @@ std::size_t num_solids(const ObstacleConfig& obstacle) {
 SceneContacts scene_contacts(const SceneConfig& scene) { return ContactBuilder(scene).take(); }
 
 ContactCounts contact_counts(const SceneConfig& scene) {
-  ContactCounts counts;
+  ContactCounts counts{.surfaces = scene.world_planes};
   for (const ObstacleConfig& obstacle : scene.obstacles) counts.surfaces += num_solids(obstacle);
   for (const BodyConfig& body : scene.bodies) {
     counts.surfaces += body.shapes.size();

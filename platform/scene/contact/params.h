@@ -93,6 +93,9 @@ struct SceneContacts {
   std::deque<HeightField> height_fields;
 };
 
+/// Point of a plane that no body reaches, m.
+inline const Vec3 parked_plane(0, 0, -1e4);
+
 /// Converts the contacts of a scene that was read without errors: it has at most max_materials, and its
 /// meshes are solids.
 SceneContacts scene_contacts(const SceneConfig& scene);
