@@ -1,4 +1,14 @@
-// godobject without simulation: main() of a build with GODOBJECT_SIM=OFF.
+// godobject: with simulated devices and the verb `simulate`, unless GODOBJECT_SIM is off.
 #include "platform/cli/program.h"
+#ifdef GODOBJECT_HAS_SIM
+#include "platform/simulated/session.h"
+#endif
 
-int main(int argc, char** argv) { return godobject::run_program(argc, argv, {}); }
+int main(int argc, char** argv) {
+#ifdef GODOBJECT_HAS_SIM
+  return godobject::run_program(
+      argc, argv, {.devices = godobject::simulated_devices(), .add_verb = godobject::add_simulate});
+#else
+  return godobject::run_program(argc, argv, {});
+#endif
+}

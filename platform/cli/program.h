@@ -1,6 +1,6 @@
 // The program godobject and its verbs. A new verb is a function in verb/, a line in the list below and one in
-// program.cc. Its main() sets the simulation: none in platform/cli/main.cc, the devices of scenes in
-// platform/cli/simulate/main.cc.
+// program.cc. Its main() in platform/cli/main.cc sets the simulation: the devices of scenes, or none with
+// GODOBJECT_SIM=OFF.
 #pragma once
 
 #include "platform/session/session.h"
