@@ -29,6 +29,8 @@ std::string_view name_of(RunEventKind kind) noexcept {
     case RunEventKind::trying: return "trying";
     case RunEventKind::armed: return "armed";
     case RunEventKind::stop: return "stop";
+    case RunEventKind::world_lost: return "world_lost";
+    case RunEventKind::world_back: return "world_back";
     case RunEventKind::quick_stop: break;
   }
   return "quick_stop";
@@ -50,7 +52,16 @@ std::string line_of(const RunEvent& event) {
 
 void EventWatch::look(const Session& session, const CycleRecord& record, bool stepped) noexcept {
   if (const Rig* const rig = session.rig()) look_at_rig(session, *rig);
-  if (stepped) look_at_core(record);
+  if (!stepped) return;
+  look_at_core(record);
+  if (const WorldPlanes* const world = session.world()) look_at_world(*world, record.t);
+}
+
+void EventWatch::look_at_world(const WorldPlanes& world, double t_s) noexcept {
+  const bool live = world.counters().live;
+  if (live == was_world_live_) return;
+  was_world_live_ = live;
+  push({.kind = live ? RunEventKind::world_back : RunEventKind::world_lost, .t_s = t_s});
 }
 
 void EventWatch::look_at_rig(const Session& session, const Rig& rig) noexcept {
@@ -109,6 +120,11 @@ RunEvent RunEvents::event_of(const RunEventMark& mark) const {
       if (mark.kind == RunEventKind::core_fault) event.remedy = text.remedy;
       break;
     }
+    case RunEventKind::world_lost:
+      event.cause = "the world is silent: its planes are released, and their force fades";
+      event.remedy = "restart its program, or let it send sooner than its valid_s";
+      break;
+    case RunEventKind::world_back: event.cause = "the world sends planes"; break;
     case RunEventKind::cleared: event.cause = "the faults of the device were cleared"; break;
     default: event.cause = "ARMED again: the motors have torque"; break;
   }

@@ -24,6 +24,8 @@ enum class RunEventKind : std::uint8_t {
   armed,       // --rearm auto: the motors have torque again
   stop,        // a signal: torque runs down
   quick_stop,  // a second signal: torque is cut at once
+  world_lost,  // --world: no packet in time
+  world_back,  // --world: packets are used, for the first time or again
 };
 
 /// Event as recorded by the real-time thread.
@@ -66,11 +68,13 @@ class EventWatch {
  private:
   void look_at_rig(const Session& session, const Rig& rig) noexcept;
   void look_at_core(const CycleRecord& record) noexcept;
+  void look_at_world(const WorldPlanes& world, double t_s) noexcept;
   void push(const RunEventMark& mark) noexcept { static_cast<void>(out_.try_push(mark)); }
 
   Ring<RunEventMark>& out_;
   std::size_t num_seen_ = 0;  // number of places of the rig reported so far
   bool was_lost_ = false;
+  bool was_world_live_ = false;
   std::array<bool, core_fault_texts.size()> active_{};
   std::array<double, core_fault_texts.size()> t_last_{};
 };

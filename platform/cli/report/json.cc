@@ -79,6 +79,12 @@ Json to_json(const SocketDeviceLine& device) {
           {"refused", c.refused},     {"wrenches", c.wrenches},   {"not_sent", c.not_sent}};
 }
 
+Json to_json(const WorldLine& world) {
+  const WorldCounters& c = world.counters;
+  return {{"name", world.name}, {"live", c.live},         {"packets", c.packets}, {"malformed", c.malformed},
+          {"late", c.late},     {"silences", c.silences}, {"limited", c.limited}};
+}
+
 Json to_json(const TrackerReportLine& tracker) {
   const TrackerCounters& c = tracker.report.counters;
   Json json{{"name", tracker.params.name},
@@ -296,6 +302,7 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["trackers"] = to_array(report.trackers);
   if (report.spacemouse) json["spacemouse"] = to_json(*report.spacemouse);
   if (report.socket_device) json["device_program"] = to_json(*report.socket_device);
+  if (report.world) json["world"] = to_json(*report.world);
   if (report.link_timing) {
     json["added_latency_us"] = to_json(report.link_timing->added_latency_ns);
     json["sync_jitter_us"] = to_json(report.link_timing->sync_jitter_ns);

@@ -180,6 +180,10 @@ RunReport make_report(const RunOptions& options, const PreparedRun& run, const R
     report.spacemouse = {.socket = mouse->socket(), .counters = mouse->counters()};
   if (const SocketDevice* const device = run.socket_device.get())
     report.socket_device = {.socket = device->path(), .counters = device->counters()};
+  if (run.world) {
+    report.world = {.name = run.shared_world->name(), .counters = run.world->counters()};
+    report.world->counters.malformed += run.shared_world->broken();
+  }
   if (const Rig* rig = session.rig()) {
     const RigParams& params = *session.scene().device->rig;
     report.buses = bus_reports(run);

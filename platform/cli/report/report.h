@@ -48,6 +48,12 @@ struct SocketDeviceLine {
   SocketDeviceCounters counters;
 };
 
+/// State of another simulation that surrounds the tool, at the end of a run.
+struct WorldLine {
+  std::string name;
+  WorldCounters counters;  // malformed: also packets with a wrong CRC
+};
+
 struct RunReport {
   const RunOptions& options;
   const Session& session;
@@ -57,6 +63,7 @@ struct RunReport {
   std::vector<TrackerReportLine> trackers;
   std::optional<SpaceMouseLine> spacemouse{};
   std::optional<SocketDeviceLine> socket_device{};
+  std::optional<WorldLine> world{};
   std::vector<FaultReport> faults;
   std::optional<Nanoseconds> wall_origin_ns{};  // real buses only: time of day minus time of their clock
 };

@@ -111,6 +111,15 @@ void print_socket_device(std::FILE* out, const SocketDeviceLine& device) {
                c.malformed, c.late, c.wrenches, c.not_sent, c.connections);
 }
 
+void print_world(std::FILE* out, const WorldLine& world) {
+  const WorldCounters& c = world.counters;
+  std::fprintf(out,
+               "  %-26s %s: %s, %" PRIu64 " packets, %" PRIu64 " malformed, %" PRIu64 " late; silent %" PRIu64
+               " times, held back in %" PRIu64 " steps\n",
+               "world", world.name.c_str(), c.live ? "there" : "GONE", c.packets, c.malformed, c.late,
+               c.silences, c.limited);
+}
+
 void print_recoveries(std::FILE* out, const RunReport& report) {
   for (const Recovery& recovery : report.result.recoveries)
     if (!recovery.recovered_after_s)
@@ -172,6 +181,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
   for (const TrackerReportLine& tracker : report.trackers) print_tracker(out, tracker);
   if (report.spacemouse) print_spacemouse(out, *report.spacemouse);
   if (report.socket_device) print_socket_device(out, *report.socket_device);
+  if (report.world) print_world(out, *report.world);
   if (report.session.rig()) {
     const RigCounters counters = report.session.rig_counters();
     std::fprintf(out, "  %-26s to %" PRIu64 " of %" PRIu64 " SYNCs\n", "late answers",

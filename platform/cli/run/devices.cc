@@ -7,6 +7,7 @@
 #include "platform/cli/run/options.h"
 #include "platform/linux/bus/bus.h"
 #include "platform/rt/background_file.h"
+#include "platform/scene/contact/params.h"
 #include "platform/scene/text/diagnostics.h"
 
 namespace godobject {
@@ -162,6 +163,25 @@ void check_socket_device(const RunOptions& options, const SceneConfig& scene,
     if (given)
       errors.push_back(std::string("--device: excludes ") + name +
                        ", since the program moves the tool in wall time: remove either");
+}
+
+void check_world(const RunOptions& options, SceneConfig& scene, std::vector<std::string>& errors) {
+  if (options.world.empty()) return;
+  const std::string of_scene = "--world: scene '" + scene.name + "' ";
+  const std::size_t materials = materials_of(scene).size();  // each plane has a material of its own
+  scene.world_planes = std::min(max_world_planes, max_materials - std::min(materials, max_materials));
+  if (scene.world_planes == 0)
+    errors.push_back(of_scene + "has " + std::to_string(materials) + " materials, and the core holds " +
+                     std::to_string(max_materials) + " with one for each plane: use fewer");
+  else if (contact_scope(scene) == ContactScope::none)
+    errors.push_back(of_scene +
+                     "has no body with spheres or shapes that touch planes: add a [[body.sphere]]");
+  if (options.fast) errors.push_back("--world: requires wall time: remove --fast");
+  if (is_input_log(options.files.record) || !options.files.on_fault.empty())
+    errors.push_back(
+        "--world: excludes input logs (--record FILE.godo, --on-fault), since replay has no planes of "
+        "another "
+        "simulation: remove either");
 }
 
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run) {

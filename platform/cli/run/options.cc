@@ -138,7 +138,8 @@ void check_bus_loads(const RunOptions& options, const SceneConfig& scene, const 
   }
 }
 
-/// Adds the pointer of the page, the SpaceMouse or the program that is the device, as the options demand.
+/// Adds the pointer of the page, the SpaceMouse or the program that is the device, and the planes of another
+/// simulation, as the options demand.
 void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
   const SceneConfig& scene = session.scene();
   const auto now = []() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); };
@@ -153,9 +154,14 @@ void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
     run.spacemouse = std::make_unique<SpaceMouse>(scene, now);
     session.add(*run.spacemouse);
   }
-  if (options.device.empty()) return;
-  run.socket_device = std::make_unique<SocketDevice>(scene, now);
-  session.add(*run.socket_device);
+  if (!options.device.empty()) {
+    run.socket_device = std::make_unique<SocketDevice>(scene, now);
+    session.add(*run.socket_device);
+  }
+  if (options.world.empty()) return;
+  run.shared_world = std::make_unique<SharedWorld>();
+  run.world = std::make_unique<WorldPlanes>(scene, session.engine(), *run.shared_world, now);
+  session.add(*run.world);
 }
 
 /// Computes passivity at the start of the motion, if the rig is valid.
@@ -184,6 +190,7 @@ PreparedRun prepare(const RunOptions& options) {
   check_view(options, run.errors);
   check_spacemouse(options, scene, run);
   check_socket_device(options, scene, run.errors);
+  check_world(options, scene, run.errors);
   if (options.view_input) lead_by_pointer(scene);
   if (options.spacemouse && run.errors.empty()) lead_by_spacemouse(scene);
   if (!options.device.empty()) scene.motion.reset();

@@ -15,6 +15,7 @@
 #include "platform/cli/report/files.h"
 #include "platform/cli/run/loop.h"
 #include "platform/linux/device_threads.h"
+#include "platform/linux/shared_world.h"
 #include "platform/linux/socket_device.h"
 #include "platform/rig/buses.h"
 #include "platform/rig/log_link.h"
@@ -49,6 +50,7 @@ struct RunOptions {
   std::string report;
   std::optional<std::string> spacemouse;  // socket of its daemon; empty: the default one
   std::string device;                     // socket of the program that is the device; empty: none
+  std::string world;                      // shared memory of another simulation; empty: none
   std::optional<std::uint16_t> view;      // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
   bool view_input = false;       // true: the page's pointer is the device
@@ -63,6 +65,8 @@ struct PreparedRun {
   std::unique_ptr<SpaceMouse> spacemouse;               // with --spacemouse; else null
   std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see connect_spacemouse()
   std::unique_ptr<SocketDevice> socket_device;          // with --device; else null
+  std::unique_ptr<SharedWorld> shared_world;            // with --world; else null
+  std::unique_ptr<WorldPlanes> world;                   // likewise
   std::unique_ptr<Session> session;                     // null if there are errors
   RunPlan plan;
   BusPlan buses;
@@ -148,6 +152,9 @@ void check_spacemouse(const RunOptions& options, const SceneConfig& scene, Prepa
 /// Checks that a program can be the device of the scene, and that no other option moves the tool.
 void check_socket_device(const RunOptions& options, const SceneConfig& scene,
                          std::vector<std::string>& errors);
+
+/// Checks that another simulation can surround the bodies of the scene, and gives it its planes.
+void check_world(const RunOptions& options, SceneConfig& scene, std::vector<std::string>& errors);
 
 /// Connects the SpaceMouse of the run, if any, to its daemon and starts a thread. Returns why this failed;
 /// empty on success.

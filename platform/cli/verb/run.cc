@@ -83,7 +83,7 @@ ExitCode run(RunOptions options) {
   list_recorded(options.files, session);  // before anything else takes the size of its records
   std::optional<RigOnBuses> real;
   if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse || prepared.socket_device ||
-      (options.view && !options.fast))
+      prepared.world || (options.view && !options.fast))
     options.realtime = true;
   if (prepared.link) {
     real.emplace(RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig,
@@ -99,6 +99,13 @@ ExitCode run(RunOptions options) {
   if (prepared.socket_device) {
     const std::string why_not = prepared.socket_device->open(options.device);
     print_lines(stderr, "", {why_not.empty() ? "the device is the program on " + options.device : why_not});
+    if (!why_not.empty()) return ExitCode::not_available;
+  }
+  if (prepared.world) {
+    const SceneConfig& scene = session.scene();
+    const std::string why_not = prepared.shared_world->open(options.world, scene.world_planes, scene.step);
+    print_lines(stderr, "",
+                {why_not.empty() ? "the world is the program on /dev/shm/" + options.world : why_not});
     if (!why_not.empty()) return ExitCode::not_available;
   }
   RunView view;
@@ -194,6 +201,10 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
                   "sends poses and receives the wrench, until the run is stopped. See "
                   "docs/how-to/device-of-your-own.md")
       ->type_name("SOCKET");
+  verb.add_option("--world", options.world,
+                  "let a slower simulation of your own surround the tool: it writes contact planes to this "
+                  "shared memory, which is made, and reads pose and impulses. See docs/how-to/slow-world.md")
+      ->type_name("NAME");
   verb.add_option_function<std::string>(
           "--rearm",
           [&options](const std::string& when) {
