@@ -3,9 +3,10 @@
 - `Scene`: the session of `godobject run` as arrays (docs/how-to/python.md)
 - `read_trace`, `read_contacts`, `read_recording`, `read_report`: files of `godobject run` as arrays
 - `godobject.device`: a program of your own as the device of a run
+- `godobject.world`: a slow simulation of your own around the tool of a run
 - `godobject.hil`: hardware-in-the-loop tests
 
-The last two need the standard library alone; the others need numpy, `Scene` also the compiled module.
+`godobject.device` and `godobject.hil` need the standard library alone, the others numpy, `Scene` the compiled module.
 """
 import importlib
 import pathlib
