@@ -243,6 +243,7 @@ def missing_tools(text, build=None):
     needed |= {"gnuplot"} if "./dev plot" in commands else set()
     needed |= {"python3-pytest"} if "pytest" in commands else set()
     needed |= {MODULE, "python3-numpy"} if "godobject.Scene(" in text else set()
+    needed |= {"python3-numpy"} if "godobject.world" in text else set()
 
     def is_there(tool):
         if tool == MODULE:
