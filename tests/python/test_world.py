@@ -26,14 +26,14 @@ class Run:
         rest = rest[:rest.index("[motion]")] + """[motion]
 position = [0.0, 0.0, 0.0]
 amplitude = [0.04, 0.0, 0.0]
-frequency_hz = [0.1, 0.0, 0.0]
+frequency_hz = [0.2, 0.0, 0.0]
 phase = [-1.5707963267948966, 0.0, 0.0]
 """
         (folder / "peg.toml").write_text(head + rest.replace("position = [0.0, 0.0, 0.0]\n\n[[body.shape]]",
                                                              "position = [-0.04, 0.0, 0.0]\n\n[[body.shape]]"))
         self.name, self.folder = "godobject-test-" + uuid.uuid4().hex, folder
         self.program = subprocess.Popen(
-            [os.environ["GODOBJECT_PROGRAM"], "run", "peg.toml", "--world", self.name, "--duration", "7", "--trace",
+            [os.environ["GODOBJECT_PROGRAM"], "run", "peg.toml", "--world", self.name, "--duration", "4", "--trace",
              "t.csv", "--report", "report.json"], cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def end(self):
@@ -72,15 +72,15 @@ def test_the_tool_is_pushed_by_the_impulses_that_the_world_gets(run):
     assert numbers == sorted(set(numbers))
     lines, report = run.end()
     assert "the world sends planes" in lines
-    assert report["malformed"] == 0 and report["packets"] > 100 and report["live"]
+    assert report["malformed"] == 0 and report["packets"] > 50 and report["live"]
     trace = read_trace(run.folder / "t.csv")
     assert trace.positions("peg")[:, 0].max() < 0.0225  # at 40 mm without the plane
-    assert pushed > 5  # N s: about 8 N for a second
+    assert 4 < pushed < 12  # N s: up to 9 N for some 1.5 s
 
 
 def test_absurd_bytes_and_a_killed_world(run):
     with World(run.name) as world:
-        while (tool := world.wait(100)) is not None and tool.t_run_s < 3:
+        while (tool := world.wait(100)) is not None and tool.t_run_s < 2:
             world.write([wall()], valid_s=1.0)
         world.write([Plane(1, p_m=(float("nan"), 0, 0), n=(-1, 0, 0))])
         time.sleep(0.02)
@@ -105,8 +105,9 @@ def test_a_run_that_was_killed_leaves_its_name_to_the_next(run):
     assert Path("/dev/shm", run.name).exists()
     with pytest.raises(OSError, match="no run has made"):
         World(run.name, patience_s=0.1)
-    again = subprocess.run([os.environ["GODOBJECT_PROGRAM"], "run", "peg.toml", "--world", run.name, "--duration", "0.1"],
-                           cwd=run.folder, capture_output=True, text=True, timeout=60)
+    program = os.environ["GODOBJECT_PROGRAM"]
+    again = subprocess.run([program, "run", "peg.toml", "--world", run.name, "--duration", "0.1"], cwd=run.folder,
+                           capture_output=True, text=True, timeout=60)
     assert again.returncode == 0, again.stderr
     assert not Path("/dev/shm", run.name).exists()
 
@@ -124,15 +125,15 @@ def test_wrong_options_are_refused(tmp_path, options, message):
 def test_mujoco_as_the_slow_world(run):
     if not shutil.which("node") or not (PACKAGES / "node_modules/@mujoco/mujoco").is_dir():
         pytest.skip("no node, or no MuJoCo: ./dev study --peers fetches it")
-    done = subprocess.run(["node", str(SOURCE / "tests/python/mujoco_world.mjs"), str(PACKAGES), run.name, "6"],
+    done = subprocess.run(["node", str(SOURCE / "tests/python/mujoco_world.mjs"), str(PACKAGES), run.name, "3.6"],
                           capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     block = json.loads(done.stdout)
     _, report = run.end()
     assert report["malformed"] == 0 and report["packets"] > 100
-    # At 5 s the hand is 20 mm beyond the touch. Springs in series: coupling, four corners, the block's.
+    # At 2.5 s the hand is 20 mm beyond the touch. Springs in series: coupling, four corners, the block's.
     force = 0.020 / (1 / 500 + 1 / 4000 + 1 / 400)
     trace = read_trace(run.folder / "t.csv")
-    pulled = 500 * (0.04 - trace.positions("peg")[(trace.t > 4.9) & (trace.t < 5.1), 0].mean())
+    pulled = 500 * (0.04 - trace.positions("peg")[(trace.t > 2.4) & (trace.t < 2.6), 0].mean())
     assert abs(pulled / force - 1) < 0.05
-    assert block["packets"] > 100
+    assert abs(block["push"] / force - 1) < 0.2 and block["packets"] > 100  # the largest of single periods

@@ -139,13 +139,13 @@ class World:
                     impulses)
 
     def wait(self, rate_hz: float = 60.0) -> Tool | None:
-        """Waits for the next period of this rate and returns the tool; None once the run has ended."""
-        now = time.monotonic()
+        """Waits for the next period of this rate and a new state, and returns it; None once the run has ended."""
+        now, last = time.monotonic(), self._answers
         self._due = max(self._due + 1 / rate_hz, now - 0.1) if self._due else now
         while self.is_running:
             time.sleep(max(self._due - time.monotonic(), 0))
             tool = self.read()
-            if tool is not None:
+            if tool is not None and tool.number != last:
                 return tool
             self._due = time.monotonic() + 0.001
         return None
