@@ -22,7 +22,7 @@
 namespace godobject {
 
 /// Segment in memory, little-endian. A block is whole if its sequence is even, and unchanged by the end of
-/// the copy. Its writer makes the sequence odd before it writes.
+/// the copy. Its writer makes the sequence odd before it writes; sequences rise.
 struct WorldSegment {
   static constexpr std::uint32_t magic_of_segments = 0x31575347, version_of_segments = 1;  // "GSW1"
   enum State : std::uint32_t { preparing, runs, has_ended };
@@ -64,7 +64,7 @@ class SharedWorld final : public WorldLink {
 
   bool receive(WorldPacket& packet) noexcept override {
     const std::uint64_t sequence = word(segment_->world_sequence).load(std::memory_order_acquire);
-    if (sequence == received_ || sequence % 2 != 0) return false;
+    if (sequence <= received_ || sequence % 2 != 0) return false;
     std::uint32_t crc = 0;
     std::memcpy(&packet, &segment_->world, sizeof packet);
     std::memcpy(&crc, &segment_->world_crc, sizeof crc);

@@ -170,10 +170,10 @@ class World:
                                    plane.damping)
         content = packet.tobytes()
         sequence = SEQUENCE.unpack_from(self._memory, WORLD_AT - 8)[0] | 1
-        SEQUENCE.pack_into(self._memory, WORLD_AT - 8, sequence)
+        content += CRC.pack(zlib.crc32(content))
+        self._memory[WORLD_AT - 8:WORLD_AT] = SEQUENCE.pack(sequence)  # at once; pack_into goes through zero
         self._memory[WORLD_AT:WORLD_AT + len(content)] = content
-        CRC.pack_into(self._memory, WORLD_AT + len(content), zlib.crc32(content))
-        SEQUENCE.pack_into(self._memory, WORLD_AT - 8, sequence + 1)
+        self._memory[WORLD_AT - 8:WORLD_AT] = SEQUENCE.pack(sequence + 1)
 
 
 def _mapped(path: str, patience_s: float) -> mmap.mmap:

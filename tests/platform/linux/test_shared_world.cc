@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 
+#include <utility>
+
 namespace godobject::test_shared_world {
 namespace {
 
@@ -65,6 +67,11 @@ TEST(SharedWorld, PassesWholePacketsOnce) {
   EXPECT_EQ(shared.broken(), 1u);
   EXPECT_FALSE(shared.receive(packet));
   EXPECT_EQ(shared.broken(), 1u);
+
+  const std::uint64_t sequence = std::exchange(other->world_sequence, 0);  // written byte by byte
+  EXPECT_FALSE(shared.receive(packet));
+  EXPECT_EQ(shared.broken(), 1u);
+  other->world_sequence = sequence;
 
   ToolPacket tool;
   tool.number = 3;
