@@ -165,8 +165,9 @@ TEST(SlowWorld, ABlockOnASpringHasTheForceOfOneProcess) {
     EXPECT_GT(of.largest, 3);
     EXPECT_LT(of.rms_share, 0.05);
   }
-  block.g = 20;  // bears less delay
+  block.g = 20;  // bears less delay (docs/how-to/slow-world.md)
   EXPECT_LT(compare(block, 0.04, 0.25, 0).rms_share, 0.05);
+  EXPECT_LT(compare(block, 0.04, 0.25, 0.03).rms_share, 0.1);
 }
 
 /// Returns the largest rise of energy of tool and block, J, in 20 s. The hand holds its target at rest where
