@@ -1,6 +1,6 @@
 // The program godobject and its verbs. A new verb is a function in verb/, a line in the list below and one in
-// program.cc. Its main() in platform/cli/main.cc sets the simulation: the devices of scenes, or none with
-// GODOBJECT_SIM=OFF.
+// program.cc. Its main() in platform/cli/simulate/main.cc sets the simulation: the devices of scenes, or none
+// with GODOBJECT_SIM=OFF.
 #pragma once
 
 #include "platform/session/session.h"
