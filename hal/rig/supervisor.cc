@@ -5,37 +5,41 @@
 namespace godobject {
 namespace {
 
-using enum RigState;
 using Torque = TorqueOutput;
 
 constexpr RigStates set_of(auto... states) noexcept {
   return static_cast<RigStates>(((1u << static_cast<unsigned>(states)) | ...));
 }
 
-constexpr RigStates booting_to_fault = set_of(booting, enabling, ready, armed, hold, fault);
+constexpr RigStates booting_to_fault = set_of(RigState::booting, RigState::enabling, RigState::ready,
+                                              RigState::armed, RigState::hold, RigState::fault);
 
-constexpr std::array transitions{
-    RigTransition{set_of(off), RigEvent::start, booting, Torque::run_down, "request"},
-    RigTransition{set_of(booting), RigEvent::nodes_up, enabling, Torque::run_down,
-                  "nodes operational, with samples"},
-    RigTransition{set_of(enabling), RigEvent::drives_up, ready, Torque::run_down,
-                  "drives enabled for 10 cycles"},
-    RigTransition{set_of(ready), RigEvent::arm, armed, Torque::normal, "request"},
-    RigTransition{set_of(armed, hold), RigEvent::disarm, ready, Torque::run_down, "request"},
-    RigTransition{set_of(armed), RigEvent::pose_lost, hold, Torque::fade, "invalid sample, missed deadlines"},
-    RigTransition{set_of(hold), RigEvent::pose_back, armed, Torque::normal, "valid again; by the ramp"},
-    RigTransition{booting_to_fault, RigEvent::fault, fault, Torque::run_down, "any but `quick_stop`"},
-    RigTransition{booting_to_fault, RigEvent::quick_stop, fault, Torque::at_once, "emergency stop"},
-    RigTransition{set_of(stopping), RigEvent::quick_stop, stopping, Torque::at_once, "second signal"},
-    RigTransition{set_of(fault), RigEvent::clear, booting, Torque::run_down, "request"},
-    RigTransition{booting_to_fault, RigEvent::stop, stopping, Torque::run_down,
-                  "signal, last cycle, failed boot, `--rearm auto`"},
-    RigTransition{set_of(off), RigEvent::stop, ended, Torque::none, "request"},
-    RigTransition{set_of(stopping), RigEvent::zero_reached, closing, Torque::none, "or after 2 s"},
-    RigTransition{set_of(closing), RigEvent::frames_sent, ended, Torque::none, "10 periods"},
-    RigTransition{booting_to_fault, RigEvent::switch_off, off, Torque::none, "the run closes"},
-    RigTransition{set_of(ended), RigEvent::restart, off, Torque::none, "`--rearm auto`"},
-};
+constexpr std::array transitions = [] {
+  using enum RigState;
+  return std::array{
+      RigTransition{set_of(off), RigEvent::start, booting, Torque::run_down, "request"},
+      RigTransition{set_of(booting), RigEvent::nodes_up, enabling, Torque::run_down,
+                    "nodes operational, with samples"},
+      RigTransition{set_of(enabling), RigEvent::drives_up, ready, Torque::run_down,
+                    "drives enabled for 10 cycles"},
+      RigTransition{set_of(ready), RigEvent::arm, armed, Torque::normal, "request"},
+      RigTransition{set_of(armed, hold), RigEvent::disarm, ready, Torque::run_down, "request"},
+      RigTransition{set_of(armed), RigEvent::pose_lost, hold, Torque::fade,
+                    "invalid sample, missed deadlines"},
+      RigTransition{set_of(hold), RigEvent::pose_back, armed, Torque::normal, "valid again; by the ramp"},
+      RigTransition{booting_to_fault, RigEvent::fault, fault, Torque::run_down, "any but `quick_stop`"},
+      RigTransition{booting_to_fault, RigEvent::quick_stop, fault, Torque::at_once, "emergency stop"},
+      RigTransition{set_of(stopping), RigEvent::quick_stop, stopping, Torque::at_once, "second signal"},
+      RigTransition{set_of(fault), RigEvent::clear, booting, Torque::run_down, "request"},
+      RigTransition{booting_to_fault, RigEvent::stop, stopping, Torque::run_down,
+                    "signal, last cycle, failed boot, `--rearm auto`"},
+      RigTransition{set_of(off), RigEvent::stop, ended, Torque::none, "request"},
+      RigTransition{set_of(stopping), RigEvent::zero_reached, closing, Torque::none, "or after 2 s"},
+      RigTransition{set_of(closing), RigEvent::frames_sent, ended, Torque::none, "10 periods"},
+      RigTransition{booting_to_fault, RigEvent::switch_off, off, Torque::none, "the run closes"},
+      RigTransition{set_of(ended), RigEvent::restart, off, Torque::none, "`--rearm auto`"},
+  };
+}();
 
 constexpr std::array<std::string_view, num_rig_states> state_names{
     "off", "booting", "enabling", "ready", "armed", "hold", "fault", "stopping", "closing", "ended"};
@@ -68,7 +72,7 @@ std::optional<Supervision> next(const Supervision& now, RigEvent event) noexcept
   for (const RigTransition& row : transitions) {
     if (row.event != event || !row.leaves(now.state)) continue;
     Supervision after{.state = row.to, .torque = row.torque, .reached = row.to};
-    if (row.to == fault) after.reached = now.reached;
+    if (row.to == RigState::fault) after.reached = now.reached;
     const bool stays_off = now.torque == Torque::at_once && event != RigEvent::clear;
     if (stays_off && row.torque == Torque::run_down) after.torque = Torque::at_once;
     return after;

@@ -124,11 +124,11 @@ class Builder:
         self.rest: dict[str, list[str]] = {}
         self.headers = work / "headers.h"
         self.headers.write_text("".join(f'#include "{name}"\n' for name in HEADERS))
-        if not run([*self.flags, "-O0", "-w", "-x", "c++-header", "-o", f"{self.headers}.gch", "-c", str(self.headers)], build):
+        if not run([*self.flags, "-O1", "-w", "-x", "c++-header", "-o", f"{self.headers}.gch", "-c", str(self.headers)], build):
             sys.exit("mutate: the headers do not compile")
 
     def compile(self, source: pathlib.Path, out: pathlib.Path) -> bool:
-        return run([*self.flags, "-O0", "-w", "-include", str(self.headers), "-o", str(out), "-c", str(source)], self.build)
+        return run([*self.flags, "-O1", "-w", "-include", str(self.headers), "-o", str(out), "-c", str(source)], self.build)
 
     def rest_of(self, target: str) -> list[str]:
         """Returns the objects of the library without the target. A unity file that includes it is compiled anew."""

@@ -28,6 +28,7 @@
 #include "hal/rig/request.cc"
 #include "hal/rig/rig.cc"
 #include "hal/rig/supervise.cc"
+#include "hal/rig/supervisor.cc"
 #include "hal/rig/watchdog.cc"
 #include "hal/tracker/pose_track.cc"
 #include "platform/cli/report/console.cc"

@@ -15,7 +15,7 @@ using canopen::NmtState;
 using cia402::DriveState;
 
 inline constexpr Nanoseconds ms = 1'000'000;
-inline constexpr std::uint8_t encoder_id = 1, drive_id = 2, input_id = 3;
+inline constexpr std::uint8_t encoder_id = 1, drive_id = 2, input_id = 3, idle_drive_id = 4;
 inline constexpr int watchdog_cycles = 20;
 
 /// The other end of the host's bus.
@@ -36,6 +36,7 @@ class ScriptedDevice : public CanBus {
   }
   BusState state() const noexcept override { return is_off ? BusState::bus_off : BusState::error_active; }
   BusCounters counters() const noexcept override { return {}; }
+  bool is_live() const noexcept override { return live; }
 
   void send(const CanFrame& frame, Nanoseconds t) {
     if (!is_off) to_host_.push_back({frame, t});
@@ -46,6 +47,7 @@ class ScriptedDevice : public CanBus {
     if (sends_heartbeats && now % (10 * ms) == 0) {
       if (encoder_plugged) send(canopen::make_heartbeat(encoder_id, encoder_nmt), now);
       if (drive_powered) send(canopen::make_heartbeat(drive_id, drive_nmt), now);
+      if (has_idle_drive) send(canopen::make_heartbeat(idle_drive_id, NmtState::operational), now);
       send(canopen::make_heartbeat(input_id, NmtState::operational), now);
       send(cia401::make_inputs(input_id, stop_pressed ? 1 : 0), now);
     }
@@ -55,6 +57,7 @@ class ScriptedDevice : public CanBus {
     if (!answers || !answers_sync) return;
     if (encoder_answers && encoder_plugged && encoder_nmt == NmtState::operational)
       send(cia406::make_position(encoder_id, encoder_counts), now + ms / 4);
+    if (has_idle_drive) send(cia402::make_status(idle_drive_id, {.statusword = 0x40}), now + ms / 4);
     if (!drive_answers || !drive_powered || drive_nmt != NmtState::operational) return;
     if (++num_syncs_ % status_every_nth_sync != 0) return;
     const unsigned status = cia402::encode_state(drive) | cia402::status_follows_command;
@@ -77,7 +80,8 @@ class ScriptedDevice : public CanBus {
     if (on) send(canopen::make_heartbeat(drive_id, NmtState::boot_up), now);
   }
 
-  bool is_off = false, is_full = false, stop_pressed = false;
+  bool has_idle_drive = false;  // a second drive, which stays off
+  bool live = true, is_off = false, is_full = false, stop_pressed = false;
   bool encoder_plugged = true, drive_powered = true;
   int status_every_nth_sync = 1;
   bool sends_heartbeats = true, answers_sync = true, encoder_answers = true, drive_answers = true;

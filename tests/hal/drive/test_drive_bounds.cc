@@ -1,6 +1,8 @@
 // Messages of a drive that are no new position, and bounds of its limits.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "hal/drive/cia402.h"
 #include "hal/drive/drive.h"
 
@@ -51,6 +53,17 @@ TEST(DriveFeedback, SilentAfterTheSyncsThatItMaySkip) {
   EXPECT_EQ(drive.on_frame(status(20), 0).result, ParseResult::ok);
   EXPECT_FALSE(drive.silent(6 * ms));
   EXPECT_TRUE(drive.silent(6 * ms + 1));
+}
+
+// A moteus drive receives its command with the next request.
+TEST(DriveFeedback, RequestHasTheLastOrder) {
+  const DriveParams params{.joint = "yaw", .protocol = DriveProtocol::moteus, .node_id = 7};
+  Drive drive(params, 1e-3, 3 * ms);
+  const std::optional<CanFrame> before = drive.request();
+  drive.sent(drive.plan(0, DriveGoal::quick_stop, 0), 0);
+  const std::optional<CanFrame> after = drive.request();
+  ASSERT_TRUE(before && after);
+  EXPECT_FALSE(std::ranges::equal(before->bytes(), after->bytes()));
 }
 
 }  // namespace

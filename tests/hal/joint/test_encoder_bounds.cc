@@ -26,8 +26,54 @@ TEST(EncoderBounds, CountsOutsideTheModulusAreVotes) {
   for (int i = 0; i < Encoder::votes_needed; ++i) {
     EXPECT_TRUE(encoder.trusted()) << i;
     encoder.update(4096, (2 + i) * ms);
+    EXPECT_FALSE(encoder.sample((2 + i) * ms).valid);
   }
   EXPECT_FALSE(encoder.trusted());
+}
+
+TEST(EncoderBounds, OddModulusWrapsToo) {
+  Encoder encoder({.counts_per_unit = 1000, .modulus_counts = 4095}, 50, 3 * ms);
+  encoder.update(10, ms);
+  encoder.update(4090, 2 * ms);
+  EXPECT_DOUBLE_EQ(encoder.sample(2 * ms).q, -0.005);
+  encoder.update(20, 3 * ms);
+  EXPECT_DOUBLE_EQ(encoder.sample(3 * ms).q, 0.02);
+}
+
+TEST(EncoderBounds, CountOutsideTheModulusEndsAnAgreement) {
+  Encoder encoder = slow_encoder();
+  Nanoseconds t = 0;
+  for (const std::uint32_t counts : {100u, 2000u, 4096u, 2000u, 2000u}) {
+    t += ms;
+    encoder.update(counts, t);
+  }
+  EXPECT_FALSE(encoder.sample(t).valid) << "two agree";
+  encoder.update(2000, t + ms);
+  EXPECT_TRUE(encoder.sample(t + ms).valid) << "three agree";
+}
+
+// Half of 4096 counts at 50 counts per ms: 40.96 ms.
+TEST(EncoderBounds, TurnIsLostAfterHalfOfIt) {
+  Encoder encoder({.counts_per_unit = 1000, .modulus_counts = 4096}, 50, 3 * ms);
+  EXPECT_FALSE(encoder.turn_is_lost(100 * ms)) << "no sample yet";
+  encoder.update(100, 0);
+  EXPECT_FALSE(encoder.turn_is_lost(40 * ms));
+  EXPECT_TRUE(encoder.turn_is_lost(41 * ms));
+}
+
+TEST(EncoderBounds, TurnIsNotLostBeforeTheSampleIsStale) {
+  Encoder encoder({.counts_per_unit = 1000, .modulus_counts = 64}, 50, 3 * ms);
+  encoder.update(10, 0);
+  EXPECT_FALSE(encoder.turn_is_lost(3 * ms));
+  EXPECT_TRUE(encoder.turn_is_lost(3 * ms + 1));
+}
+
+// A step of two counts leaves the noise band of one count, so the window is short.
+TEST(EncoderBounds, NoiseOfTheVelocityIsOneCount) {
+  Encoder encoder = slow_encoder();
+  for (int i = 1; i <= 15; ++i) encoder.update(100, i * ms);
+  encoder.update(102, 16 * ms);
+  EXPECT_GT(encoder.sample(16 * ms).q_dot, 0.2);
 }
 
 TEST(EncoderBounds, StaleSampleIsAtRest) {

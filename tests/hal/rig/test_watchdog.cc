@@ -47,6 +47,14 @@ TEST_F(WatchdogTest, DeadlineOfTheCommand) {
   EXPECT_EQ(time().mechanism, "RPDO1 deadline, 1400h:05, then the ramp of 605Eh");
 }
 
+TEST_F(WatchdogTest, ShortestTimes) {
+  set_deadline(1);
+  EXPECT_EQ(time().s, 1e-3);
+  profile() = {.file = "some.toml"};
+  set_host_timeout(1, 1);
+  EXPECT_EQ(time().s, 1e-3);
+}
+
 TEST_F(WatchdogTest, OtherTimersAreNone) {
   set_deadline(0);
   set_deadline(20, PdoDirection::transmit);

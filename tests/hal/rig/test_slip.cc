@@ -1,0 +1,122 @@
+// Comparison of a drive's position with its joint's encoder.
+#include <gtest/gtest.h>
+
+#include "tests/support/supervised_rig.h"
+
+namespace godobject::test_slip {
+namespace {
+
+using test::ms;
+using test::RigTrial;
+using test::SupervisedRig;
+
+void cycles(SupervisedRig& world, int count) {
+  for (int i = 0; i < count; ++i) world.apply(RigTrial::cycle);
+}
+
+void boot_and_arm(SupervisedRig& world) {
+  for (const RigTrial event : {RigTrial::start, RigTrial::wait, RigTrial::arm}) world.apply(event);
+  ASSERT_EQ(world.rig.state(), RigState::armed) << world.rig.fault_text();
+}
+
+TEST(Slip, TravelOfTheFasterSensorIsNoSlip) {
+  SupervisedRig world;
+  boot_and_arm(world);
+  for (const int direction : {1, -1, 1, -1})
+    for (int i = 0; i < 4; ++i) {
+      world.device.encoder_counts += static_cast<std::uint32_t>(direction * 30);  // 30 rad/s
+      cycles(world, 1);
+      ASSERT_EQ(world.rig.faults(), RigFault::none) << world.rig.fault_text();
+    }
+}
+
+TEST(Slip, SensorsDisagreeBeyondTheSlackOfTheJoint) {
+  for (const int apart : {54, 55}) {
+    SupervisedRig world;
+    boot_and_arm(world);
+    for (int moved = 0; moved < apart; ++moved) {  // 1 rad/s: a travel of 3 counts
+      ++world.device.drive_counts;
+      cycles(world, 1);
+    }
+    ASSERT_EQ(world.rig.faults(), RigFault::none);
+    cycles(world, 100);
+    EXPECT_EQ(world.rig.faults(), apart == 54 ? RigFault::none : RigFault::sensors_disagree);
+  }
+}
+
+TEST(Slip, SensorsMayDisagreeForStaleAfter) {
+  SupervisedRig world;
+  boot_and_arm(world);
+  for (int moved = 0; moved < 58; ++moved) {
+    ++world.device.drive_counts;
+    cycles(world, 1);
+  }
+  world.device.drive_counts -= 20;
+  cycles(world, 100);
+  EXPECT_EQ(world.rig.faults(), RigFault::none);
+}
+
+TEST(Slip, SensorsThatPartInMotionDisagree) {
+  SupervisedRig world;
+  boot_and_arm(world);
+  int count = 0;
+  for (; count < 50 && world.rig.state() != RigState::fault; ++count) {
+    world.device.drive_counts += 10;  // 10 rad/s: a travel of 30 counts
+    cycles(world, 1);
+  }
+  EXPECT_GE(count, 9);
+  EXPECT_LE(count, 9 + 4);
+  EXPECT_EQ(world.rig.faults(), RigFault::sensors_disagree);
+}
+
+TEST(Slip, ZeroOfADriveIsThatOfItsPowerOn) {
+  SupervisedRig world;
+  world.device.drive_counts = 500;
+  boot_and_arm(world);
+  cycles(world, 100);
+  EXPECT_EQ(world.rig.faults(), RigFault::none);
+}
+
+TEST(Slip, MissingSampleIsNotCompared) {
+  SupervisedRig world;
+  boot_and_arm(world);
+  world.device.encoder_answers = false;
+  for (int i = 0; i < 50; ++i) {
+    world.device.drive_counts += 10;
+    cycles(world, 1);
+  }
+  EXPECT_EQ(world.rig.faults(), RigFault::sample_stale);
+}
+
+TEST(Slip, SlipOfZeroIsNotCompared) {
+  RigParams params = test::params_of_rig();
+  params.drives[0].max_slip = 0;
+  SupervisedRig world(params);
+  boot_and_arm(world);
+  world.device.drive_counts = 50;
+  cycles(world, 100);
+  EXPECT_EQ(world.rig.faults(), RigFault::none);
+}
+
+TEST(Slip, SensorsThatMoveTogetherAgree) {
+  for (const std::uint8_t every_nth : {std::uint8_t{1}, std::uint8_t{8}}) {
+    RigParams params = test::params_of_rig();
+    params.drives[0].status_every_nth_sync = every_nth;
+    params.boot_timeout_s = 1;
+    SupervisedRig world(params);
+    world.device.status_every_nth_sync = every_nth;
+    world.apply(RigTrial::start);
+    for (int i = 0; i < 900 && world.rig.state() != RigState::ready; ++i) cycles(world, 1);
+    world.apply(RigTrial::arm);
+    ASSERT_EQ(world.rig.state(), RigState::armed) << world.rig.fault_text();
+    for (int i = 0; i < 100; ++i) {
+      world.device.encoder_counts += 30;
+      world.device.drive_counts += 30;
+      cycles(world, 1);
+      ASSERT_EQ(world.rig.faults(), RigFault::none) << world.rig.fault_text();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace godobject::test_slip
