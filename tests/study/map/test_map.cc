@@ -88,7 +88,7 @@ TEST(StabilityMap, FindsAPlantedGain) {
   EXPECT_FALSE(flight(1.001).gains_silently());
 }
 
-/// One in some hundred samples gains silently, see docs/report.md. Which ones depends on the compiler.
+/// About one in a thousand samples gains silently, see docs/report.md. Which ones depends on the compiler.
 TEST(StabilityMap, FewOfTheFirstSamplesGain) {
   std::size_t moving = 0, silent = 0;
   for (std::uint64_t number = 0; number < 10 * 2 * num_map_families; ++number) {

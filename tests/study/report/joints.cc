@@ -20,7 +20,7 @@ void write_drift(std::ostream& out, const std::vector<JointRun>& rows) {
          "What holds the joints, on S3 over 2 s at 1 ms; other steps in `joint-drift.csv`:\n\n"
          "| scheme | drift, m | drift, rad | position error, m |\n|---|---|---|---|\n";
   for (const JointRun& r : rows)
-    if (std::abs(r.h - 1e-3) < 1e-9)
+    if (is_one_ms(r.h))
       out << "| " << r.scheme << " | " << drift_text(r) << ' '
           << (r.failed ? "" : number(r.errors.position, 2)) << " |\n";
   out << "\n![joint drift](figures/joint-drift.png)\n\n";

@@ -17,10 +17,8 @@ inline std::string number(double value, int digits = 3) {
 inline std::string number(const std::optional<double>& value, int digits = 3) {
   return value ? number(*value, digits) : "not available";
 }
-/// True if the tables of the report have this step, s; the others are in the CSV files.
-inline bool in_report(double h) {
-  return std::abs(h - 4e-3) < 1e-9 || std::abs(h - 1e-3) < 1e-9 || std::abs(h - 0.125e-3) < 1e-9;
-}
+/// True for a step of 1 ms, that of the tables; other steps are in the CSV files.
+inline bool is_one_ms(double h) { return std::abs(h - 1e-3) < 1e-9; }
 inline std::string whole(const std::optional<double>& value) {
   return value ? std::to_string(std::lround(*value)) : "not available";
 }
