@@ -1,4 +1,4 @@
-// CRC-32 of IEEE 802.3, of the chunks of input logs and of PNG.
+// CRC-32 of IEEE 802.3, of the chunks of input logs, of PNG and of MCAP.
 #pragma once
 
 #include <array>
@@ -19,8 +19,9 @@ inline constexpr std::array<std::uint32_t, 256> crc32_table = [] {
 }();
 
 /// Computes the CRC of `bytes`. Check value of "123456789": CBF43926.
-constexpr std::uint32_t crc32(std::string_view bytes) noexcept {
-  std::uint32_t crc = ~0u;
+/// before: CRC of the bytes before them.
+constexpr std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0) noexcept {
+  std::uint32_t crc = ~before;
   for (const char byte : bytes) crc = crc >> 8 ^ crc32_table[(crc ^ static_cast<unsigned char>(byte)) & 0xff];
   return ~crc;
 }

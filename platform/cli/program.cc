@@ -101,6 +101,7 @@ void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code
   add_accuracy(app, checks, code);
   add_replay(app, checks, code);
   add_metrics(app, checks, code);
+  add_export(app, checks, code);
   add_bus_load(app, checks, code);
   add_monitor(app, checks, code);
   add_import(app, code);

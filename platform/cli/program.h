@@ -3,6 +3,10 @@
 // with GODOBJECT_SIM=OFF.
 #pragma once
 
+#include <functional>
+#include <string>
+#include <string_view>
+
 #include "platform/session/session.h"
 
 namespace CLI {
@@ -38,6 +42,7 @@ void add_monitor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_accuracy(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_replay(CLI::App& app, const FaultChecks& checks, ExitCode& code);
+void add_export(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_import(CLI::App& app, ExitCode& code);
 void add_faults(CLI::App& app, ExitCode& code);
 void add_sdo(CLI::App& app, ExitCode& code);
@@ -45,6 +50,10 @@ void add_lss(CLI::App& app, ExitCode& code);
 void add_drive(CLI::App& app, ExitCode& code);
 void add_encoder(CLI::App& app, ExitCode& code);
 void add_documents(CLI::App& app, ExitCode& code);
+
+/// Replays an input log and prints as `replay` does. rows: receives the lines of its trace, the header first.
+ExitCode replay_input_log(const std::string& file, const FaultChecks& checks,
+                          std::function<bool(std::string_view)> rows);
 
 /// Functions of a program that links simulated devices. Default: none.
 struct LinkedSimulation {

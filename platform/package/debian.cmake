@@ -50,7 +50,7 @@ spring, in real time. The program runs scenes on CAN buses, serial trackers
 or simulated devices, checks them, and evaluates their recordings. Profiles
 of drives, example scenes, a systemd unit, udev rules and limits of a
 real-time group belong to it."
-  DEPENDS adduser SUGGESTS "godobject-doc, can-utils")
+  DEPENDS adduser SUGGESTS "godobject-doc, can-utils, libhdf5-103-1")
 godobject_package(dev libgodobject-dev libdevel "C++ libraries for haptic interaction with a physical simulation"
   "Headers, static libraries, a CMake package and pkg-config files of godobject's
 real-time core, hardware layer, platform and simulated devices, with examples."

@@ -176,7 +176,8 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
     file.emplace(path, waiting_bytes);
     return CsvRows::Sink([this, &file](std::string_view text) { return file->write(text, patience_); });
   };
-  if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
+  if (names.trace_rows) trace_.emplace(names.trace_rows, scene);
+  else if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
   if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
   if (names.record.empty() || is_input_log(names.record)) return;

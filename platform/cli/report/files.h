@@ -59,6 +59,7 @@ class CandumpLog {
 struct RunFileNames {
   std::string scene;  // path of the scene file, whose folder has the files that it refers to
   std::string trace, contacts, nets;
+  CsvRows::Sink trace_rows = nullptr;  // receives the rows of the trace in place of a file
   std::string record;    // a log of frames, or by its ending an input log
   std::string on_fault;  // input log of the last seconds before the first fault
   std::uint64_t trace_every =

@@ -307,7 +307,8 @@ ExitCode replay(const ReplayOptions& options) {
     return ExitCode::usage;
   }
   std::optional<RunFiles> files;
-  if (!options.files.trace.empty() || !options.files.contacts.empty() || !options.files.nets.empty())
+  const bool has_trace = !options.files.trace.empty() || options.files.trace_rows;
+  if (has_trace || !options.files.contacts.empty() || !options.files.nets.empty())
     files.emplace(options.files, scene, head.log_origin_ns);
   const ExitCode code = Replay(options, scene, reader, std::move(engine), files ? &*files : nullptr).run();
   bool is_complete = true;
@@ -320,6 +321,15 @@ ExitCode replay(const ReplayOptions& options) {
 }
 
 }  // namespace
+
+ExitCode replay_input_log(const std::string& file, const FaultChecks& checks,
+                          std::function<bool(std::string_view)> rows) {
+  ReplayOptions options;
+  options.file = file;
+  options.files.trace_rows = std::move(rows);
+  options.faults = checks;
+  return replay(options);
+}
 
 void add_replay(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
   CLI::App* verb =

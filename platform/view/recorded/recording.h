@@ -91,6 +91,8 @@ RecordingResult replay_log(const std::string& log, const std::string& scene_path
 
 // Rows of numbers, as in traces, read one at a time, because long runs are not stored as a whole.
 
+/// Returns the names of a first line.
+std::vector<std::string> split_at_commas(std::string_view line);
 /// Returns false unless the line has exactly numbers.size() numbers.
 bool read_numbers(std::string_view line, std::span<double> numbers);
 
@@ -98,8 +100,10 @@ using UseNames = std::function<std::string(const std::vector<std::string>& names
 using UseRow = std::function<std::string(const std::string& line)>;
 
 /// Reads a file: passes its first line to begin(names) and each row to add(line). Both return empty or an
-/// error. Returns empty or the first error.
-std::string read_rows(const std::string& path, const UseNames& begin, const UseRow& add);
+/// error. Returns empty or the first error. A last line without its end is left out.
+/// is_cut: set to true if there is such a line; null: not needed.
+std::string read_rows(const std::string& path, const UseNames& begin, const UseRow& add,
+                      bool* is_cut = nullptr);
 
 /// Recomputes logs of buses as replay_log() does, and passes every step as a row of a trace, as read_rows()
 /// does. The columns of joints, energy and faults are 0. The result has no recording.

@@ -11,16 +11,6 @@
 namespace godobject {
 namespace {
 
-std::vector<std::string> split_at_commas(std::string_view line) {
-  std::vector<std::string> parts;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    parts.emplace_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return parts;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 /// Limit on stored bytes; beyond it every other row is dropped, repeatedly.
 constexpr std::size_t max_bytes = std::size_t{256} << 20;
 
@@ -81,6 +71,16 @@ class Rows {
 
 }  // namespace
 
+std::vector<std::string> split_at_commas(std::string_view line) {
+  std::vector<std::string> parts;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    parts.emplace_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    line.remove_prefix(comma + 1);
+  }
+}
+
 bool read_numbers(std::string_view line, std::span<double> numbers) {
   const char *at = line.data(), *const end = at + line.size();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -92,13 +92,16 @@ bool read_numbers(std::string_view line, std::span<double> numbers) {
   return true;
 }
 
-std::string read_rows(const std::string& path, const UseNames& begin, const UseRow& add) {
+std::string read_rows(const std::string& path, const UseNames& begin, const UseRow& add, bool* is_cut) {
   std::ifstream in(path, std::ios::binary);
   std::string line;
   if (!in || !std::getline(in, line)) return path + ": cannot be read, or is empty";
   if (std::string why_not = begin(split_at_commas(line)); !why_not.empty()) return why_not;
   for (std::size_t number = 2; std::getline(in, line); ++number) {
-    if (in.eof()) break;  // without a line end: cut off when the run was killed
+    if (in.eof()) {  // without a line end: cut off when the run was killed
+      if (is_cut != nullptr) *is_cut = true;
+      break;
+    }
     if (const std::string why_not = add(line); !why_not.empty())
       return path + ":" + std::to_string(number) + ": " + why_not;
   }

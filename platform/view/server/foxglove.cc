@@ -190,6 +190,8 @@ struct FoxgloveClient::Scene {
   }
 };
 
+std::string foxglove_transforms_schema() { return transforms_schema().dump(); }
+
 FoxgloveClient::FoxgloveClient() = default;
 FoxgloveClient::~FoxgloveClient() = default;
 

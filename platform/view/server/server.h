@@ -126,6 +126,9 @@ bool has_page() noexcept;
 // Poses for Foxglove and Lichtblick: the WebSocket protocol foxglove.websocket.v1 with messages in JSON. Two
 // channels: /tf, foxglove.FrameTransforms, and /scene, foxglove.SceneUpdate.
 
+/// Returns the JSON Schema of foxglove.FrameTransforms.
+std::string foxglove_transforms_schema();
+
 /// State of the protocol for one client: its messages and subscriptions.
 class FoxgloveClient {
  public:
