@@ -53,4 +53,17 @@ PageFile page_file(std::string_view path) noexcept {
 
 bool has_page() noexcept { return rows().size() > 1; }
 
+#ifdef GODOBJECT_NO_BOOST  // replaces server.cc
+std::unique_ptr<ViewServer> ViewServer::start(
+    const ServerSettings& /*settings*/, ViewSource& /*source*/,
+    Log /*log*/,  // NOLINT(performance-unnecessary-value-param): server.cc stores it
+    std::string& why_not) {
+  why_not =
+      "view: this program was built without Boost, which its server needs: ./dev setup view (or apt-get "
+      "install "
+      "libboost1.81-dev), then build again. Pictures need no server: godobject view FILE --picture FILE.png";
+  return nullptr;
+}
+#endif
+
 }  // namespace godobject
