@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "hal/tracker/ndi_tracker.h"
+#include "hal/tracker/openigtlink_tracker.h"
 #include "hal/tracker/polhemus_tracker.h"
 
 namespace godobject {
@@ -84,6 +85,7 @@ MadeTracker make_tracker(const TrackerParams& params, ToolDefinitions definition
       made.tracker = make_ndi_tracker(params, std::move(definitions), made.errors);
       break;
     case TrackerProtocol::polhemus: made.tracker = make_polhemus_tracker(params, made.errors); break;
+    case TrackerProtocol::openigtlink: made.tracker = make_openigtlink_tracker(params, made.errors); break;
   }
   return made;
 }

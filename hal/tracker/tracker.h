@@ -67,7 +67,7 @@ struct TrackerReport {
 
 /// Next action of the line.
 struct LineRequest {
-  enum class Kind : std::uint8_t { none, send, serial_break, set_baud };
+  enum class Kind : std::uint8_t { none, send, serial_break, set_baud, reopen };
   Kind kind = Kind::none;
   std::span<const std::uint8_t> bytes{};  // bytes to send; valid until the next call
   std::uint32_t baud = 0;

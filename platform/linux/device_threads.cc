@@ -1,5 +1,8 @@
 #include "platform/linux/device_threads.h"
 
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -15,6 +18,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/tracker/openigtlink.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {
@@ -25,6 +29,7 @@ constexpr Nanoseconds wake_period = 1 * ms;
 constexpr Nanoseconds open_period = 1000 * ms;
 constexpr Nanoseconds expiry_period = 10 * ms;
 constexpr Nanoseconds write_patience = 200 * ms;
+constexpr int connect_patience_ms = 500;
 
 constexpr const char* default_socket = "/run/spnav.sock";
 constexpr Nanoseconds retry_period = 1'000'000'000;
@@ -68,6 +73,7 @@ void TrackerThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     if (port_.state() == SerialState::open) {
       serve();
+      if (port_.state() == SerialState::closed) next_open = clock_.now() + open_period;
     } else if (clock_.now() >= next_open) {
       if (!open()) next_open = clock_.now() + open_period;
     } else {
@@ -82,14 +88,49 @@ bool TrackerThread::open() {
   changed_ = true;
   port_.close();
   const SerialSettings settings{.baud = tracker_->first_baud()};
-  if (port_.open(tracker_->params().port, settings)) {
-    tracker_->opened(clock_.now());
+  std::string why_not;
+  if (is_on_network()) why_not = connect();
+  else if (!port_.open(tracker_->params().port, settings)) why_not = port_.trouble();
+  const Nanoseconds now = clock_.now();
+  if (why_not.empty()) {
+    tracker_->opened(now);
     return true;
   }
-  const Nanoseconds now = clock_.now();
   const bool too_long = now - opening_since_ > to_ns(tracker_->params().boot_timeout_s);
-  tracker_->line_lost(port_.trouble(), too_long, now);
+  tracker_->line_lost(why_not, too_long, now);
   return false;
+}
+
+std::string TrackerThread::connect() {
+  const std::string& port = tracker_->params().port;
+  const std::optional<openigtlink::Address> address = openigtlink::parse_address(port);
+  if (!address) return port + ": is no address; give tcp:HOST:PORT";
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(address->host.c_str(), address->port.c_str(), &wanted, &found);
+      error != 0)
+    return port + ": " + gai_strerror(error) + "; check the name of the host";
+  int error = 0;
+  for (const addrinfo* to = found; to != nullptr && port_.state() != SerialState::open; to = to->ai_next) {
+    const int descriptor = socket(to->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, to->ai_protocol);
+    pollfd waiting{.fd = descriptor, .events = POLLOUT, .revents = 0};
+    socklen_t size = sizeof error;
+    const int one = 1, idle_s = 2, probes = 3;  // a dead host is noticed after 5 s
+    error = ::connect(descriptor, to->ai_addr, to->ai_addrlen) == 0 ? 0 : errno;
+    if (error == EINPROGRESS && poll(&waiting, 1, connect_patience_ms) == 0) error = ETIMEDOUT;
+    if (error == EINPROGRESS) getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+    setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    setsockopt(descriptor, SOL_SOCKET, SO_KEEPALIVE, &one, sizeof one);
+    setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+    setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, &one, sizeof one);
+    setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
+    if (error == 0) port_.adopt(descriptor, port);
+    else if (descriptor >= 0) close(descriptor);
+  }
+  freeaddrinfo(found);
+  if (error == 0) return "";
+  return port + ": cannot be connected: " + text_of(error) + "; check that the server runs there";
 }
 
 /// Receives bytes, sends requests, and waits for at most a millisecond.
@@ -105,7 +146,7 @@ void TrackerThread::serve() {
   for (LineRequest request = tracker_->next(clock_.now()); request.kind != LineRequest::Kind::none;
        request = tracker_->next(clock_.now()))
     carry_out(request);
-  if (port_.state() == SerialState::open) return;
+  if (port_.state() == SerialState::open || port_.state() == SerialState::closed) return;
   changed_ = true;
   opening_since_ = clock_.now();
   tracker_->line_lost(port_.trouble(), false, opening_since_);
@@ -115,6 +156,7 @@ void TrackerThread::carry_out(const LineRequest& request) {
   switch (request.kind) {
     case LineRequest::Kind::none: return;
     case LineRequest::Kind::serial_break: return port_.send_break();
+    case LineRequest::Kind::reopen: changed_ = true; return port_.close();
     case LineRequest::Kind::set_baud: static_cast<void>(port_.set_baud(request.baud)); return;
     case LineRequest::Kind::send: break;
   }

@@ -1,5 +1,6 @@
-// Threads that serve devices: a tracker on a serial line, and the SpaceMouse of the daemon spacenavd. Only
-// such a thread waits for its line or daemon, even when that is unplugged or ends.
+// Threads that serve devices: a tracker on a serial line or a TCP connection, and the SpaceMouse of the
+// daemon spacenavd. Only such a thread waits for its line, server or daemon, even when that is unplugged or
+// ends.
 #pragma once
 
 #include <atomic>
@@ -19,7 +20,8 @@
 
 namespace godobject {
 
-/// A tracker's serial line and the thread that serves it. The loop reads the newest report without locks.
+/// A tracker's serial line or connection and the thread that serves it. The loop reads the newest report
+/// without locks.
 class TrackerThread final : public TrackerLink {
  public:
   /// Starts at once: opens the port, and retries once a second while it is missing. Until boot_timeout_s the
@@ -36,8 +38,11 @@ class TrackerThread final : public TrackerLink {
   void run(const std::stop_token& stop);
   /// Returns false if the line is missing.
   bool open();
+  /// Connects to the server of the port. Returns empty or the error.
+  std::string connect();
   void serve();
   void carry_out(const LineRequest& request);
+  bool is_on_network() const { return tracker_->params().protocol == TrackerProtocol::openigtlink; }
   void hand_over();
 
   std::unique_ptr<Tracker> tracker_;

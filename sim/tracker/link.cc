@@ -12,6 +12,7 @@ bool SimTrackerLink::try_read(TrackerReport& out, Nanoseconds now) noexcept {
        request = tracker_->next(now)) {
     if (request.kind == LineRequest::Kind::send) far_->receive(request.bytes, now);
     if (request.kind == LineRequest::Kind::serial_break) far_->serial_break(now);
+    if (request.kind == LineRequest::Kind::reopen) tracker_->opened(now);
   }
   out = tracker_->report();
   return true;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/tracker/ndi.h"
+#include "sim/tracker/openigtlink.h"
 #include "sim/tracker/polhemus.h"
 
 namespace godobject {
@@ -55,6 +56,8 @@ std::size_t SimTracker::transmit(std::span<std::uint8_t> out, Nanoseconds now) n
 std::unique_ptr<SimTracker> make_sim_tracker(const TrackerParams& params, double rate_hz,
                                              std::uint64_t seed) {
   if (params.protocol == TrackerProtocol::ndi) return std::make_unique<SimNdi>(params, rate_hz, seed);
+  if (params.protocol == TrackerProtocol::openigtlink)
+    return std::make_unique<SimOpenIgtLink>(params, rate_hz, seed);
   return std::make_unique<SimPolhemus>(params, rate_hz, seed);
 }
 

@@ -16,7 +16,7 @@ namespace godobject {
 /// Measurements per second of a simulated tracker: as a Polaris (60 Hz) and a Fastrak with one station (120
 /// Hz).
 constexpr double simulated_rate_hz(TrackerProtocol protocol) noexcept {
-  return protocol == TrackerProtocol::ndi ? 60 : 120;
+  return protocol == TrackerProtocol::polhemus ? 120 : 60;
 }
 
 struct SimTrackersConfig {

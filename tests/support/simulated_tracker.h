@@ -36,6 +36,7 @@ struct SimulatedTracker {
       const LineRequest request = tracker->next(now);
       if (request.kind == LineRequest::Kind::none) return;
       if (request.kind == LineRequest::Kind::send) far->receive(request.bytes, now);
+      if (request.kind == LineRequest::Kind::reopen) tracker->opened(now);
       if (request.kind == LineRequest::Kind::serial_break) {
         ++breaks;
         if (understands_breaks) far->serial_break(now);

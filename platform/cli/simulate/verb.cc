@@ -129,6 +129,11 @@ std::vector<std::unique_ptr<TrackerLine>> offer_trackers(const SceneConfig& scen
   std::vector<std::unique_ptr<TrackerLine>> lines;
   const std::vector<TrackerParams>& trackers = scene.device->trackers;
   for (std::size_t i = 0; i < trackers.size(); ++i) {
+    if (trackers[i].protocol == TrackerProtocol::openigtlink) {
+      out.errors.push_back("tracker " + trackers[i].name +
+                           ": a server of OpenIGTLink is on no terminal: run simulates it");
+      continue;
+    }
     lines.push_back(std::make_unique<TrackerLine>(
         trackers[i].name,
         make_sim_tracker(trackers[i], simulated_rate_hz(trackers[i].protocol), scene.wire.seed + i)));

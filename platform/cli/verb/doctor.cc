@@ -90,7 +90,8 @@ std::vector<std::string> check_devices(const DoctorOptions& options, SceneConfig
   }
   if (scene.device)
     for (const TrackerParams& tracker : scene.device->trackers)
-      devices.checks.push_back(check_serial_port(tracker.name, tracker.port));
+      if (tracker.protocol != TrackerProtocol::openigtlink)
+        devices.checks.push_back(check_serial_port(tracker.name, tracker.port));
   return errors;
 }
 

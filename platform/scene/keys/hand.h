@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "hal/tracker/openigtlink.h"
 #include "hal/tracker/spacenav.h"
 #include "hal/tracker/tracker.h"
 #include "platform/scene/scene.h"
@@ -124,7 +125,7 @@ void visit_tracked_tool(V& v, const std::vector<std::string>& bodies, TrackedToo
   v.value(Key{.name = "tool",
               .unit = "",
               .meaning = "NDI: port handle as `\"0A\"`, or file of a passive tool (.rom), relative to the "
-                         "scene; Polhemus: number of the station",
+                         "scene; Polhemus: number of the station; openigtlink: name of the device",
               .required = true},
           t.tool);
   visit_pose(v, "target_position", "target_orientation_wxyz", "the target on the tool", t.X_TH);
@@ -134,13 +135,17 @@ template <class V>
 void visit_tracker(V& v, const std::vector<std::string>& bodies, std::set<std::string>& tracked,
                    TrackerParams& t) {
   visit_name(v, "name in messages and faults", t.name);
-  choose(v, Key{"protocol", "", "ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot"},
+  choose(v,
+         Key{"protocol", "",
+             "ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot; openigtlink: a server"},
          tracker_protocol_names, t.protocol);
   v.value(Key{.name = "port",
               .unit = "",
-              .meaning = "serial line, best `\"/dev/serial/by-id/...\"`",
+              .meaning = "serial line, best `\"/dev/serial/by-id/...\"`; openigtlink: `\"tcp:HOST:PORT\"`",
               .required = true},
           t.port);
+  v.check((t.protocol == TrackerProtocol::openigtlink) == openigtlink::parse_address(t.port).has_value(),
+          "port", "must be tcp:HOST:PORT for openigtlink, and a serial line for other protocols");
   v.value(Key{"baud", "bit/s", "NDI: after the first contact at 9600", {1200, 4e6}}, t.baud);
   visit_pose(v, "position", "orientation_wxyz", "its frame in the world", t.X_WT);
   v.unit_vector(Key{"hemisphere", "", "Polhemus: from the source towards its sensors, in its frame"},
@@ -175,7 +180,7 @@ template <class V>
 void visit_trackers(V& v, const std::vector<std::string>& bodies, std::set<std::string> handled,
                     std::vector<TrackerParams>& trackers) {
   std::set<std::string> names;
-  v.tables(TableKey{"tracker", "A tracker on a serial line ([trackers](trackers.md))."}, trackers,
+  v.tables(TableKey{"tracker", "A tracker ([trackers](trackers.md))."}, trackers,
            [&](auto& table, TrackerParams& t) {
              visit_tracker(table, bodies, handled, t);
              table.check(names.insert(t.name).second, "name", "is the name of an earlier tracker");
