@@ -1,9 +1,12 @@
-// A running session as the source of a view.
+// A running session as the source of a view, and of poses for clients of OpenIGTLink.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "platform/rt/cyclic.h"
@@ -92,5 +95,66 @@ inline bool LiveView::point(std::uint64_t client, const PointerMessage& message)
   return pointer_ != nullptr && message.target < places_.size() &&
          pointer_->take(client, message, places_[message.target]);
 }
+
+// ---- OpenIGTLink -----------------------------------------------------------------------------------
+// At each period a client receives
+//   TRANSFORM  pose of each body in the world, device: its name
+//   TDATA      poses of all bodies, device: godobject
+//   SENSOR     displayed force, N, and torque, N m, of each driven body, about its target's origin; devices:
+//              <body>.force, <body>.torque. A device that grips bodies has hand.force and hand.torque instead
+//   STATUS     1 while it runs, 13 before, 19 after, 18 with a fault of the device, 2 with one of the core;
+//              sub-code: the cycle; device: godobject
+// Names are cut at 20 characters. Times are those of day at which messages are sent.
+
+/// Server of OpenIGTLink for a running session, on a thread of its own.
+class OpenIgtLinkServer {
+ public:
+  struct Settings {
+    std::string address = "127.0.0.1";  // IPv4, of the listening socket
+    std::uint16_t port = 18944;
+    double rate_hz = 60;
+  };
+
+  /// Listens and starts the thread. Returns null with the reason and the remedy in why_not. The session must
+  /// outlive the server.
+  static std::unique_ptr<OpenIgtLinkServer> start(const Settings& settings, const Session& session,
+                                                  std::string& why_not);
+  ~OpenIgtLinkServer();
+  OpenIgtLinkServer(const OpenIgtLinkServer&) = delete;
+  OpenIgtLinkServer& operator=(const OpenIgtLinkServer&) = delete;
+
+  /// For the loop.
+  ViewTap& tap() noexcept { return tap_; }
+
+ private:
+  /// A connected client.
+  struct Client {
+    int descriptor = -1;
+    std::vector<std::uint8_t> unsent{};  // rest of messages; until it is sent, the client receives no others
+  };
+
+  OpenIgtLinkServer(int listener, Nanoseconds period, const Session& session);
+  void run(const std::stop_token& stop);
+  void accept_clients();
+  /// Removes clients that have closed, and drops the bytes that others have sent.
+  void listen_to_clients();
+  void send_to_clients(const ViewSample& sample);
+  void send_rest(Client& client);
+
+  int listener_;
+  Nanoseconds period_;
+  const SceneConfig& scene_;
+  std::vector<std::size_t> driven_;
+  ViewTap tap_;
+  std::vector<Client> clients_;
+  std::vector<std::uint8_t> bytes_;  // messages of a period
+  MonotonicClock clock_;
+  std::jthread thread_;  // last, so that it ends before the other members
+};
+
+/// Appends the messages of a sample. driven: indices of the driven bodies. t: time of day, ns.
+void append_openigtlink(const ViewSample& sample, const SceneConfig& scene,
+                        const std::vector<std::size_t>& driven, Nanoseconds t,
+                        std::vector<std::uint8_t>& bytes);
 
 }  // namespace godobject

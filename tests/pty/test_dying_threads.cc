@@ -20,6 +20,7 @@
 #include "platform/rt/signals.h"
 #include "platform/scene/toml.h"
 #include "tests/support/faulty_rig.h"
+#include "tests/support/free_port.h"
 #include "tests/support/run_over_ptys.h"
 
 namespace godobject::test::test_dying_threads {
@@ -30,7 +31,7 @@ using testing::ElementsAreArray;
 using testing::KilledBySignal;
 
 /// Threads of the run that CrashedThread starts; the main one has the name of the program.
-const std::set<std::string> threads_of_a_run{"godobject", "loop", "file", "console", "view"};
+const std::set<std::string> threads_of_a_run{"godobject", "loop", "file", "console", "view", "openigtlink"};
 /// Threads of other devices.
 const std::set<std::string> threads_of_devices{"tracker", "spacemouse"};
 
@@ -73,7 +74,8 @@ class CrashedThread : public RunOverPtys, public testing::WithParamInterface<std
  protected:
   bool start() {
     return RunOverPtys::start(write("scene.toml", patient_toml()),
-                              {"--view", "--trace", path("t.csv"), "--record", path("r.log")});
+                              {"--view", "--openigtlink", std::to_string(free_port()), "--trace",
+                               path("t.csv"), "--record", path("r.log")});
   }
   void hear(const CanFrame& frame) override { frames_.push_back(frame); }
 

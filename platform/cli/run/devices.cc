@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 
 #include "platform/cli/run/options.h"
@@ -126,6 +127,24 @@ std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<Tra
   for (std::unique_ptr<Tracker>& tracker : made)
     threads.push_back(std::make_unique<TrackerThread>(std::move(tracker)));
   return threads;
+}
+
+std::unique_ptr<OpenIgtLinkServer> start_openigtlink(const RunOptions& options, PreparedRun& prepared,
+                                                     std::string& why_not) {
+  if (options.openigtlink.empty()) return nullptr;
+  OpenIgtLinkServer::Settings settings{.rate_hz = options.openigtlink_rate_hz};
+  const std::size_t colon = options.openigtlink.rfind(':');
+  if (colon != std::string::npos) settings.address = options.openigtlink.substr(0, colon);
+  const std::string port = options.openigtlink.substr(colon == std::string::npos ? 0 : colon + 1);
+  const char* const end = port.data() + port.size();
+  if (const auto [stop, error] = std::from_chars(port.data(), end, settings.port);
+      error != std::errc() || stop != end || settings.port == 0) {
+    why_not = "--openigtlink: '" + port + "' is no TCP port: give PORT or ADDRESS:PORT, 1 to 65535";
+    return nullptr;
+  }
+  std::unique_ptr<OpenIgtLinkServer> server = OpenIgtLinkServer::start(settings, *prepared.session, why_not);
+  if (server) prepared.plan.poses_tap = &server->tap();
+  return server;
 }
 
 void check_spacemouse(const RunOptions& options, const SceneConfig& scene, PreparedRun& run) {

@@ -34,6 +34,7 @@ struct RunPlan {
   const LogLink* log = nullptr;  // log that replaces the session's buses, and whose end ends the run; or null
   bool seal = false;             // true: refuses undocumented system calls of the loop
   ViewTap* tap = nullptr;        // tap of a view, which outlives the run; or null
+  ViewTap* poses_tap = nullptr;  // tap of a server of poses, likewise
 };
 
 /// Counts the steps, and ends the session after the last, on request, or, with automatic re-arming, at a
@@ -47,7 +48,8 @@ class RunCycle {
         log_(plan.log),
         stop_(stop),
         deadlines_(session.scene().step),
-        tap_(plan.tap) {
+        tap_(plan.tap),
+        poses_tap_(plan.poses_tap) {
     statistics_.prepare(session.scene(), session.at_start());
   }
 
@@ -60,6 +62,7 @@ class RunCycle {
     const bool stepped = session_.advance(record);
     if (events_) events_->look(session_, record, stepped);
     if (tap_) tap_->offer(session_, record);
+    if (poses_tap_) poses_tap_->offer(session_, record);
     if (!stepped) return false;
     statistics_.add(record);
     if (!any(record.rig_faults)) {
@@ -118,6 +121,7 @@ class RunCycle {
   const std::atomic<bool>& stop_;
   DeadlineWatch deadlines_;
   ViewTap* tap_;
+  ViewTap* poses_tap_;
   const std::atomic<bool>* insisted_ = nullptr;
   const Seal* seal_ = nullptr;
   EventWatch* events_ = nullptr;

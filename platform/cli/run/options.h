@@ -53,6 +53,8 @@ struct RunOptions {
   std::string world;                      // shared memory of another simulation; empty: none
   std::optional<std::uint16_t> view;      // port of the view; 0: a default one
   std::string view_address = "127.0.0.1";
+  std::string openigtlink;  // PORT or ADDRESS:PORT of its server; empty: none
+  double openigtlink_rate_hz = 60;
   bool view_input = false;       // true: the page's pointer is the device
   bool quiet = false;            // true: print only warnings and faults
   bool only_check = false;       // true for `check`: nothing is opened, started or written
@@ -168,6 +170,11 @@ void add_words(ViewAbout& about);
 std::vector<std::string> view_lines(const std::string& url, const std::string& address);
 /// Returns the warning of a page served on this address; empty: none.
 std::string view_warning(const std::string& address);
+
+/// Starts the server of --openigtlink and sets the plan's tap. Null without the option, or with the reason in
+/// why_not.
+std::unique_ptr<OpenIgtLinkServer> start_openigtlink(const RunOptions& options, PreparedRun& prepared,
+                                                     std::string& why_not);
 
 class RunView {
  public:

@@ -83,7 +83,7 @@ ExitCode run(RunOptions options) {
   list_recorded(options.files, session);  // before anything else takes the size of its records
   std::optional<RigOnBuses> real;
   if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse || prepared.socket_device ||
-      prepared.world || (options.view && !options.fast))
+      prepared.world || ((options.view || !options.openigtlink.empty()) && !options.fast))
     options.realtime = true;
   if (prepared.link) {
     real.emplace(RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig,
@@ -113,6 +113,12 @@ ExitCode run(RunOptions options) {
     const std::string why_not = view.start(options, prepared);
     print_lines(stderr, "", why_not.empty() ? view.announcement() : std::vector{why_not});
     if (!why_not.empty()) return ExitCode::not_available;
+  }
+  std::string no_openigtlink;
+  const std::unique_ptr<OpenIgtLinkServer> openigtlink = start_openigtlink(options, prepared, no_openigtlink);
+  if (!no_openigtlink.empty()) {
+    print_lines(stderr, "", {no_openigtlink});
+    return ExitCode::not_available;
   }
   std::optional<Nanoseconds> wall_origin_ns;
   if (session.bus() == BusChoice::real) wall_origin_ns = log_origin_ns();
@@ -267,6 +273,13 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_flag("--view-input", options.view_input,
                 "use the pointer in the page as the device: it grips coupled bodies and moves them; without "
                 "buses, until the run is stopped");
+  verb.add_option("--openigtlink", options.openigtlink,
+                  "serve poses, wrenches and state by OpenIGTLink on this TCP port, of this machine only, or "
+                  "on ADDRESS:PORT. The run is in wall time, unless --fast is given. See docs/view.md")
+      ->type_name("PORT");
+  verb.add_option("--openigtlink-rate", options.openigtlink_rate_hz, "send them at this rate, Hz")
+      ->capture_default_str()
+      ->check(number_in(0.1, 1000));
   verb.add_flag("--quiet", options.quiet, "print only warnings and faults; see the exit code");
 }
 
