@@ -4,7 +4,7 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/hanging_run.h"
-#include "tests/bench/net_contest.h"
+#include "tests/bench/peer/native_peers.h"
 #include "tests/study/net/tube.h"
 
 namespace godobject::bench {
@@ -132,15 +132,6 @@ void add_hanging(int max_iterations = usual_iterations) {
   });
 }
 
-template <class Make>
-[[maybe_unused]] void add_peer(const std::string& who, const Effort& effort, Make make) {
-  const auto known = std::make_shared<std::optional<NetQuality>>();
-  add("S6 hanging/" + who, effort, [=](benchmark::State& state) {
-    const std::unique_ptr<NetPeer> peer = make();
-    run_hanging(state, who, *peer, true, *known);
-  });
-}
-
 }  // namespace
 
 void add_our_nets() {
@@ -164,16 +155,14 @@ void add_our_nets() {
 }
 
 void add_net_peers() {
-#ifdef GODOBJECT_PEER_BULLET
-  for (const int iterations : {1, 4, 10, 50})
-    add_peer("Bullet f64 soft body, " + std::to_string(iterations) + " it", long_scene,
-             [=] { return make_bullet_net(iterations); });
-#endif
-#ifdef GODOBJECT_PEER_MUJOCO
-  // its steps take milliseconds
-  add_peer("MuJoCo springs, 10 substeps", slow_scene, [] { return make_mujoco_springs(10); });
-  add_peer("MuJoCo lengths, CG 20 it", slow_scene, [] { return make_mujoco_lengths(20); });
-#endif
+  for (const HangingPeer& peer : native_peers().hanging) {
+    const auto known = std::make_shared<std::optional<NetQuality>>();
+    add("S6 hanging/" + peer.engine, peer.is_slow ? slow_scene : long_scene,
+        [=, &peer](benchmark::State& state) {
+          const std::unique_ptr<NetPeer> run = peer.make();
+          run_hanging(state, peer.engine, *run, true, *known);
+        });
+  }
 }
 
 }  // namespace godobject::bench

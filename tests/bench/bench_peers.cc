@@ -3,22 +3,12 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_scene.h"
-#include "tests/bench/peer/peer.h"
+#include "tests/bench/peer/native_peers.h"
 #include "tests/study/compositions.h"
+#include "tests/study/joint/scene.h"
 
 namespace godobject::bench {
 namespace {
-
-Targets targets_of(const BenchScene& it, std::size_t steps) {
-  Targets all;
-  if (!it.scene.is_coupled()) return all;
-  for (std::size_t n = 0; n <= steps; ++n) {
-    std::vector<oracle::RigidState>& bodies = all.emplace_back();
-    for (const oracle::Body& body : it.scene.problem.bodies)
-      bodies.push_back(body.coupling->target->at(static_cast<double>(n) * h));
-  }
-  return all;
-}
 
 /// Returns errors and drift from the poses alone: the bodies placed as in the peer.
 Errors errors_of(Peer& peer, const BenchScene& it, std::size_t steps) {
@@ -44,49 +34,39 @@ Errors errors_of(Peer& peer, const BenchScene& it, std::size_t steps) {
 }
 
 template <class MakeScene>
-void add_peer(const std::string& scene, const std::string& who, MakePeer make, MakeScene make_scene) {
-  const auto known = std::make_shared<std::optional<Errors>>();
-  add(scene + "/" + who, short_scene, [=](benchmark::State& state) {
-    const BenchScene& it = make_scene();
-    const std::size_t steps = study::steps_in(it.scene.duration, h);
-    const Targets targets = targets_of(it, steps);
-    const std::unique_ptr<Peer> peer = make(it.scene.problem, targets);
-    if (!*known) *known = errors_of(*peer, it, steps);
-    measure(
-        state,
-        {.scene = it.scene.name,
-         .who = who,
-         .num_bodies = it.scene.problem.bodies.size(),
-         .peer = true,
-         .times = {},
-         .instructions = {},
-         .errors = **known,
-         .contacts = {}},
-        steps, [&] { peer->restart(); }, [&](std::size_t n) { peer->step(n); });
-  });
-}
-
-[[maybe_unused]] void add_chains(const std::string& who, MakePeer make,
-                                 const std::vector<std::size_t>& links) {
-  for (const std::size_t n : links)
-    add_peer("S5/" + std::to_string(n), who, make, [n]() -> const BenchScene& { return s5(n); });
+void add_scene(const std::string& scene, const oracle::Case& problem, MakeScene make_scene) {
+  for (const FreePeer& peer : native_peers().free) {
+    if (!peer.can(problem)) continue;
+    const auto known = std::make_shared<std::optional<Errors>>();
+    add(scene + "/" + peer.engine, short_scene, [=, &peer](benchmark::State& state) {
+      const BenchScene& it = make_scene();
+      const std::size_t steps = study::steps_in(it.scene.duration, h);
+      const Targets targets = targets_of(it.scene.problem, peer.aim, h, steps);
+      const std::unique_ptr<Peer> run = peer.make(it.scene.problem, targets, h);
+      if (!*known) *known = errors_of(*run, it, steps);
+      measure(
+          state,
+          {.scene = it.scene.name,
+           .who = peer.engine,
+           .num_bodies = it.scene.problem.bodies.size(),
+           .peer = true,
+           .times = {},
+           .instructions = {},
+           .errors = **known,
+           .contacts = {}},
+          steps, [&] { run->restart(); }, [&](std::size_t n) { run->step(n); });
+    });
+  }
 }
 
 }  // namespace
 
 void add_peers() {
-#ifdef GODOBJECT_PEER_ODE
-  add_peer("S1", "ODE step, explicit force", make_ode_explicit, s1);
-  add_peer("S1", "ODE step, motor rows", make_ode, s1);
-  add_peer("S3", "ODE step, motor rows", make_ode, s3);
-  add_chains("ODE step", make_ode, {1, 8, 64});
-#endif
-#ifdef GODOBJECT_PEER_BULLET
-  add_chains("Bullet f64 btMultiBody", make_bullet, {1, 8, 64, 256});
-#endif
-#ifdef GODOBJECT_PEER_MUJOCO
-  add_chains("MuJoCo Euler", make_mujoco, {1, 8, 64});
-#endif
+  add_scene("S1", study::scene_s1().problem, s1);
+  add_scene("S3", study::scene_s3(), s3);
+  for (const std::size_t links : {1, 8, 64, 256})
+    add_scene("S5/" + std::to_string(links), study::scene_s5(links),
+              [links]() -> const BenchScene& { return s5(links); });
 }
 
 }  // namespace godobject::bench

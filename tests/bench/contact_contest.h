@@ -5,18 +5,9 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
-#include "tests/bench/peer/peer.h"
-#include "tests/oracle/target.h"
-#include "tests/study/case_errors.h"
+#include "tests/bench/peer/native_peers.h"
 
 namespace godobject::bench {
-
-inline Targets targets_of(const ContactScene& scene) {
-  Targets all;
-  for (std::size_t n = 0; n <= study::steps_in(scene.duration, h); ++n)
-    all.push_back({scene.coupling().target->at(static_cast<double>(n) * h)});
-  return all;
-}
 
 struct Contest {
   ContactScene scene;

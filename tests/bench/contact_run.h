@@ -5,7 +5,7 @@
 
 #include "tests/bench/bench.h"
 #include "tests/bench/contact_quality.h"
-#include "tests/bench/peer/peer.h"
+#include "tests/bench/peer/native_peers.h"
 #include "tests/study/contact/run.h"
 
 namespace godobject::bench {

@@ -72,11 +72,4 @@ class NetPeer {
   virtual std::size_t num_contacts() const = 0;
 };
 
-/// Bullet's soft body: moves positions until springs have their rest length, which has no stiffness in N/m.
-std::unique_ptr<NetPeer> make_bullet_net(int iterations);
-/// MuJoCo's tendons: with the springs' stiffness, explicit, in this number of substeps per step.
-std::unique_ptr<NetPeer> make_mujoco_springs(int substeps);
-/// MuJoCo's tendons as equalities of their length, by conjugate gradients with this number of iterations.
-std::unique_ptr<NetPeer> make_mujoco_lengths(int iterations);
-
 }  // namespace godobject::bench

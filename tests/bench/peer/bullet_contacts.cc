@@ -1,12 +1,10 @@
 // Bullet 3.24 in double precision with contacts: rigid bodies, sequential impulses, no sleeping.
-// The coupling is a force that takes the end of the step into account,
-// F = m (m + h g + h^2 k)^-1 (k (x_D - x - h v) + g (v_D - v)),
-// as an implicit step of the body alone would have it. A soft row in Bullet's solver diverges. Rotations
-// alike.
+// The coupling is the force of implicit_force.h. A soft row in Bullet's solver diverges.
 #define BT_USE_DOUBLE_PRECISION
 #include <btBulletDynamicsCommon.h>
 
-#include "tests/bench/peer/peer.h"
+#include "tests/bench/peer/implicit_force.h"
+#include "tests/bench/peer/native_peers.h"
 
 namespace godobject::bench {
 namespace {
@@ -115,20 +113,9 @@ class BulletContacts final : public ContactPeer {
 
  private:
   void pull(const oracle::RigidState& D) {
-    const oracle::Coupling& c = scene_.coupling();
-    const oracle::Body& body = scene_.problem.bodies.front();
-    const oracle::RigidState x = pose(0);
-    const double s = body.m / (body.m + h * c.g_t + h * h * c.k_t);
-    const oracle::Vector3d f = s * (c.k_t * (D.p - x.p - h * x.v) + c.g_t * (D.v - x.v));
-
-    const Eigen::AngleAxisd turn(D.q * x.q.conjugate());
-    const Mat3 R = x.q.toRotationMatrix();
-    const Mat3 I = R * body.I_B * R.transpose();
-    const Mat3 A = I + (h * c.g_r + h * h * c.k_r) * Mat3::Identity();
-    const oracle::Vector3d wanted = c.k_r * (turn.angle() * turn.axis() - h * x.w) + c.g_r * (D.w - x.w);
-    const oracle::Vector3d t = I * A.inverse() * wanted;
-    world_->body(0).applyCentralForce(vector(f));
-    world_->body(0).applyTorque(vector(t));
+    const ForceAndTorque F = implicit_force(scene_.problem.bodies.front(), pose(0), D, h);
+    world_->body(0).applyCentralForce(vector(F.f));
+    world_->body(0).applyTorque(vector(F.tau));
   }
 
   const ContactScene& scene_;
@@ -137,10 +124,13 @@ class BulletContacts final : public ContactPeer {
   mutable std::optional<BulletWorld> world_;  // its getters are not const
 };
 
+const bool added = add_peer(PressedPeer{
+    .engine = "Bullet 3.24 10 it",
+    .can = [](const ContactScene&) { return true; },
+    .longest = 20,
+    .make = [](const ContactScene& scene, const Targets& targets) -> std::unique_ptr<ContactPeer> {
+      return std::make_unique<BulletContacts>(scene, targets);
+    }});
+
 }  // namespace
-
-std::unique_ptr<ContactPeer> make_bullet_contacts(const ContactScene& scene, const Targets& targets) {
-  return std::make_unique<BulletContacts>(scene, targets);
-}
-
 }  // namespace godobject::bench

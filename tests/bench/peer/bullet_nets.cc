@@ -10,7 +10,7 @@
 
 #include <optional>
 
-#include "tests/bench/net_contest.h"
+#include "tests/bench/peer/native_peers.h"
 
 namespace godobject::bench {
 namespace {
@@ -91,8 +91,14 @@ class BulletNet final : public NetPeer {
   std::optional<BulletNetWorld> world_;
 };
 
+HangingPeer soft_body(int iterations) {
+  return {.engine = "Bullet 3.24 soft body " + std::to_string(iterations) + " it",
+          .is_slow = false,
+          .make = [=] { return std::make_unique<BulletNet>(iterations); }};
+}
+
+const bool added =
+    add_peer(soft_body(1)) && add_peer(soft_body(4)) && add_peer(soft_body(10)) && add_peer(soft_body(50));
+
 }  // namespace
-
-std::unique_ptr<NetPeer> make_bullet_net(int iterations) { return std::make_unique<BulletNet>(iterations); }
-
 }  // namespace godobject::bench

@@ -3,7 +3,7 @@
 // The pulled body has three slides and a ball joint. Their dampers are implicit; their springs follow the
 // target and are explicit. The target is that of the start of the step.
 #include "tests/bench/peer/mujoco_model.h"
-#include "tests/bench/peer/peer.h"
+#include "tests/bench/peer/native_peers.h"
 
 namespace godobject::bench {
 namespace {
@@ -104,10 +104,14 @@ class MujocoContacts final : public ContactPeer {
   mjData* data_;
 };
 
+/// In a pile its steps take a millisecond or ten: 5 s are one sweep to and fro.
+const bool added = add_peer(PressedPeer{
+    .engine = "MuJoCo 2.2 Newton",
+    .can = [](const ContactScene&) { return true; },
+    .longest = 5,
+    .make = [](const ContactScene& scene, const Targets& targets) -> std::unique_ptr<ContactPeer> {
+      return std::make_unique<MujocoContacts>(scene, targets);
+    }});
+
 }  // namespace
-
-std::unique_ptr<ContactPeer> make_mujoco_contacts(const ContactScene& scene, const Targets& targets) {
-  return std::make_unique<MujocoContacts>(scene, targets);
-}
-
 }  // namespace godobject::bench

@@ -3,8 +3,8 @@
 //
 // Tendons are springs with explicit forces, in stable substeps; or equalities of their lengths, which have no
 // stiffness in N/m. The damping of the air is that of the slides, which is implicit.
-#include "tests/bench/net_contest.h"
 #include "tests/bench/peer/mujoco_model.h"
+#include "tests/bench/peer/native_peers.h"
 
 namespace godobject::bench {
 namespace {
@@ -107,13 +107,14 @@ class MujocoNet final : public NetPeer {
   mjData* data_;
 };
 
+std::unique_ptr<NetPeer> make_net(const MujocoHow& how) { return std::make_unique<MujocoNet>(how); }
+
+const bool added = add_peer(HangingPeer{.engine = "MuJoCo 2.2 springs 10 substeps",
+                                        .is_slow = true,
+                                        .make = [] { return make_net({.substeps = 10}); }}) &&
+                   add_peer(HangingPeer{.engine = "MuJoCo 2.2 lengths CG 20 it", .is_slow = true, .make = [] {
+                                          return make_net({.iterations = 20, .is_spring = false});
+                                        }});
+
 }  // namespace
-
-std::unique_ptr<NetPeer> make_mujoco_springs(int substeps) {
-  return std::make_unique<MujocoNet>(MujocoHow{.substeps = substeps});
-}
-std::unique_ptr<NetPeer> make_mujoco_lengths(int iterations) {
-  return std::make_unique<MujocoNet>(MujocoHow{.iterations = iterations, .is_spring = false});
-}
-
 }  // namespace godobject::bench

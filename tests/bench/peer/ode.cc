@@ -1,6 +1,9 @@
 // ODE 0.16: maximal coordinates, joints as constraint rows with error reduction, solved directly
 // (dWorldStep).
+#include <limits>
+
 #include "tests/bench/peer/ode_rows.h"
+#include "tests/bench/peer/peer.h"
 
 namespace godobject::bench {
 namespace {
@@ -20,8 +23,9 @@ Placed placed(const oracle::Case& problem, const oracle::Joint& joint) {
 
 class Ode final : public Peer {
  public:
-  Ode(const oracle::Case& problem, const Targets& targets, bool rows)
-      : problem_(problem), targets_(targets), rows_(rows) {
+  /// rows: true for couplings as rows, else as forces.
+  Ode(const oracle::Case& problem, const Targets& targets, double h, bool rows)
+      : problem_(problem), targets_(targets), h_(h), rows_(rows) {
     dInitODE2(0);
     world_ = dWorldCreate();
     dWorldSetGravity(world_, problem.gravity.x(), problem.gravity.y(), problem.gravity.z());
@@ -32,7 +36,8 @@ class Ode final : public Peer {
     for (const oracle::Joint& joint : problem.joints) add_joint(joint);
     if (rows)
       for (std::size_t i = 0; i < bodies_.size(); ++i)
-        if (problem.bodies[i].coupling) motors_.emplace_back(world_, bodies_[i], *problem.bodies[i].coupling);
+        if (problem.bodies[i].coupling)
+          motors_.emplace_back(world_, bodies_[i], *problem.bodies[i].coupling, h);
   }
   ~Ode() override {
     dWorldDestroy(world_);
@@ -42,17 +47,25 @@ class Ode final : public Peer {
   Ode& operator=(const Ode&) = delete;
 
   void restart() override {
+    failed_ = false;
     for (std::size_t i = 0; i < bodies_.size(); ++i) place(bodies_[i], problem_.bodies[i].start);
   }
 
   void step(std::size_t n) override {
-    // an explicit force acts where the step starts
     for (std::size_t i = 0; i < bodies_.size() && !targets_.empty(); ++i)
-      rows_ ? motors_[i].aim(targets_[n + 1][i]) : add_force(i, targets_[n][i]);
-    dWorldStep(world_, h);
+      rows_ ? motors_[i].aim(targets_[n][i]) : add_force(i, targets_[n][i]);
+    constexpr double too_fast = 1e6;  // m/s, rad/s; ODE ends the program for numbers that are not finite
+    for (const dBodyID body : bodies_)
+      failed_ = failed_ || !(vector(dBodyGetLinearVel(body)).norm() < too_fast &&
+                             vector(dBodyGetAngularVel(body)).norm() < too_fast);
+    if (!failed_) dWorldStep(world_, h_);
   }
 
-  oracle::RigidState pose(std::size_t i) const override { return state_of(bodies_[i]); }
+  oracle::RigidState pose(std::size_t i) const override {
+    oracle::RigidState x = state_of(bodies_[i]);
+    if (failed_) x.p.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return x;
+  }
 
  private:
   void add_joint(const oracle::Joint& joint) {
@@ -93,19 +106,33 @@ class Ode final : public Peer {
 
   const oracle::Case& problem_;
   const Targets& targets_;
-  bool rows_;
+  double h_;
+  bool rows_, failed_ = false;
   dWorldID world_;
   std::vector<dBodyID> bodies_;
   std::vector<OdeRows> motors_;
 };
 
+template <bool rows>
+std::unique_ptr<Peer> make(const oracle::Case& problem, const Targets& targets, double h) {
+  return std::make_unique<Ode>(problem, targets, h, rows);
+}
+
+bool is_free_and_coupled(const oracle::Case& problem) {
+  return is_coupled(problem) && problem.joints.empty();
+}
+
+/// With rows a step is one of implicit Euler. An explicit force acts where the step starts.
+const bool added =
+    add_peer(FreePeer{.engine = "ODE 0.16 motor rows", .aim = {}, .can = is_short, .make = make<true>}) &&
+    add_peer(FreePeer{.engine = "ODE 0.16 motor rows (mean velocity)",
+                      .aim = {.mean = true},
+                      .can = is_coupled,
+                      .make = make<true>}) &&
+    add_peer(FreePeer{.engine = "ODE 0.16 explicit force",
+                      .aim = {.share = 0},
+                      .can = is_free_and_coupled,
+                      .make = make<false>});
+
 }  // namespace
-
-std::unique_ptr<Peer> make_ode(const oracle::Case& problem, const Targets& targets) {
-  return std::make_unique<Ode>(problem, targets, true);
-}
-std::unique_ptr<Peer> make_ode_explicit(const oracle::Case& problem, const Targets& targets) {
-  return std::make_unique<Ode>(problem, targets, false);
-}
-
 }  // namespace godobject::bench

@@ -1,4 +1,5 @@
 // ODE 0.16 with contacts: its direct step, or QuickStep with 20 iterations of successive over-relaxation.
+#include "tests/bench/peer/native_peers.h"
 #include "tests/bench/peer/ode_rows.h"
 
 namespace godobject::bench {
@@ -60,7 +61,7 @@ class OdeContacts final : public ContactPeer {
       place(bodies_.back(), body.start);
       add_shapes(bodies_.back());
     }
-    coupling_.emplace(world_, bodies_.front(), scene_.coupling());
+    coupling_.emplace(world_, bodies_.front(), scene_.coupling(), h);
   }
   void destroy() {
     bodies_.clear();
@@ -111,13 +112,18 @@ class OdeContacts final : public ContactPeer {
   std::size_t num_contacts_ = 0;
 };
 
+template <bool direct>
+std::unique_ptr<ContactPeer> make_contacts(const ContactScene& scene, const Targets& targets) {
+  return std::make_unique<OdeContacts>(scene, targets, Settings{.direct = direct, .springs = direct});
+}
+
+const bool added =
+    add_peer(PressedPeer{.engine = "ODE 0.16 step with spring contacts",
+                         .can = [](const ContactScene& scene) { return !is_pile(scene); },
+                         .longest = 20,
+                         .make = make_contacts<true>}) &&
+    add_peer(PressedPeer{
+        .engine = "ODE 0.16 QuickStep 20 it", .can = is_pile, .longest = 20, .make = make_contacts<false>});
+
 }  // namespace
-
-std::unique_ptr<ContactPeer> make_ode_springs(const ContactScene& scene, const Targets& targets) {
-  return std::make_unique<OdeContacts>(scene, targets, Settings{.direct = true, .springs = true});
-}
-std::unique_ptr<ContactPeer> make_ode_quick(const ContactScene& scene, const Targets& targets) {
-  return std::make_unique<OdeContacts>(scene, targets, Settings{.direct = false, .springs = false});
-}
-
 }  // namespace godobject::bench

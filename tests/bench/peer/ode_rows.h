@@ -51,8 +51,9 @@ inline oracle::Vector3d turn_to(const oracle::Quaterniond& q_D, const oracle::Qu
 class OdeRows {
  public:
   /// The world owns the joints and destroys them.
-  OdeRows(dWorldID world, dBodyID body, const oracle::Coupling& coupling)
-      : coupling_(&coupling),
+  OdeRows(dWorldID world, dBodyID body, const oracle::Coupling& coupling, double h)
+      : h_(h),
+        coupling_(&coupling),
         body_(body),
         slide_(dJointCreateLMotor(world, nullptr)),
         turn_(dJointCreateAMotor(world, nullptr)) {
@@ -73,12 +74,12 @@ class OdeRows {
     }
   }
 
-  /// D: the target at the end of the step to come.
+  /// D: the target of the step to come.
   void aim(const oracle::RigidState& D) {
     const oracle::Coupling& c = *coupling_;
     const oracle::RigidState x = state_of(body_);
-    const oracle::Vector3d v = (c.k_t * (D.p - x.p) + c.g_t * D.v) / (h * c.k_t + c.g_t);
-    const oracle::Vector3d w = (c.k_r * turn_to(D.q, x.q) + c.g_r * D.w) / (h * c.k_r + c.g_r);
+    const oracle::Vector3d v = (c.k_t * (D.p - x.p) + c.g_t * D.v) / (h_ * c.k_t + c.g_t);
+    const oracle::Vector3d w = (c.k_r * turn_to(D.q, x.q) + c.g_r * D.w) / (h_ * c.k_r + c.g_r);
     for (int k = 0; k < 3; ++k) {
       dJointSetLMotorParam(slide_, dParamVel + k * dParamGroup, v[k]);
       dJointSetAMotorParam(turn_, dParamVel + k * dParamGroup, w[k]);
@@ -86,6 +87,7 @@ class OdeRows {
   }
 
  private:
+  double h_;
   const oracle::Coupling* coupling_;
   dBodyID body_;
   dJointID slide_, turn_;

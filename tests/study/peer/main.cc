@@ -1,4 +1,4 @@
-// godobject-peers: the core beside MuJoCo, Jolt and Rapier, and that section of the report.
+// godobject-peers: the core beside other engines, native and in WASM, and that section of the report.
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -20,7 +20,8 @@ struct PeerArguments {
   fs::path out, report;
 };
 
-void draw_peers(const PeerArguments& a, const PeerResults& results) {
+/// is_complete: true if the figure belongs into the report.
+void draw_peers(const PeerArguments& a, const PeerResults& results, bool is_complete) {
   write_peer_script(a.out, results);
   if (!tool_exists("gnuplot")) {
     std::fprintf(stderr, "note: no figure: gnuplot is not installed\n");
@@ -28,7 +29,7 @@ void draw_peers(const PeerArguments& a, const PeerResults& results) {
   }
   const std::string problem = draw(a.out, "peers");
   if (!problem.empty()) throw std::runtime_error(problem);
-  if (!a.report.empty())
+  if (!a.report.empty() && is_complete)
     fs::copy_file(a.out / "peers.png", a.report.parent_path() / "figures" / "peers.png",
                   fs::copy_options::overwrite_existing);
 }
@@ -39,12 +40,14 @@ int run(const PeerArguments& a) {
                   [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
   write_csv(a.out, results);
   std::printf("results in %s\n", a.out.c_str());
-  if (!results.why_not.empty()) {  // an earlier section stays
-    std::fprintf(stderr, "note: the engines are left out: %s\n", results.why_not.c_str());
-    return 0;
-  }
-  draw_peers(a, results);
-  if (a.report.empty()) return 0;
+  if (!results.missing.empty())
+    std::fprintf(stderr, "note: native engines are left out: %s\n", results.missing.c_str());
+  const bool is_complete = results.why_not.empty();
+  if (!is_complete)
+    std::fprintf(stderr, "note: engines in WASM are left out, and the report's section stays: %s\n",
+                 results.why_not.c_str());
+  draw_peers(a, results, is_complete);
+  if (a.report.empty() || !is_complete) return 0;
   replace_peers(a.report, results);
   std::printf("section in %s\n", a.report.c_str());
   return 0;
@@ -52,7 +55,8 @@ int run(const PeerArguments& a) {
 
 int main_of(int argc, char** argv) {
   PeerArguments arguments;
-  CLI::App app("Compare the core with MuJoCo, Jolt and Rapier, which npm has fetched.", "godobject-peers");
+  CLI::App app("Compare the core with the engines of the build and those that npm has fetched.",
+               "godobject-peers");
   app.add_flag("--quick", arguments.quick, "S1 alone, some seconds");
   app.add_option("--out", arguments.out, "folder for CSV files and the figure")->required();
   app.add_option("--report", arguments.report,

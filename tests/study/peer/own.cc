@@ -36,8 +36,9 @@ PeerContact own_contact(double k, std::optional<double> law_k) {
   set_contacts(scene, run->params());
   const std::vector<Input<S>> inputs = run->inputs(steps_in(scene.duration, contact_step), scene.duration);
   bool failed = false;
+  StepClock clock;
   const bench::ContactQuality quality = bench::quality_of(scene, inputs.size(), [&](std::size_t n) {
-    run->step(inputs[n]);
+    clock.time([&] { run->step(inputs[n]); });
     failed = failed || any(run->output().fault);
     return bench::Snapshot{{oracle_state(run->body(0))}, run->output().contacts.num_contacts};
   });
@@ -45,7 +46,8 @@ PeerContact own_contact(double k, std::optional<double> law_k) {
           .k = k,
           .depth = failed ? infinite : quality.average.mean,
           .jitter = failed ? infinite : quality.average.jitter,
-          .us_per_step = {}};
+          .us_per_step = {},
+          .native_us = clock.median_us()};
 }
 
 template <class Integrator>
@@ -94,7 +96,40 @@ PeerError mean_velocity_error(const ReferenceScene& scene, const oracle::Solutio
           .us_per_step = {}};
 }
 
+/// A scene of the core on the start of a case.
+template <Scene S>
+class OwnRun final : public TimedRun {
+ public:
+  OwnRun(const ReferenceScene& scene, double h, std::size_t max_steps)
+      : run_(scene.problem, h),
+        inputs_(run_.inputs(std::min(max_steps, steps_in(scene.duration, h)), scene.duration)) {}
+
+  std::size_t num_steps() const override { return inputs_.size(); }
+  void restart() override { run_.restart(); }
+  void advance(std::size_t first, std::size_t end) override {
+    for (std::size_t n = first; n < end; ++n) run_.step(inputs_[n]);
+  }
+
+ private:
+  CaseRun<S> run_;
+  std::vector<Input<S>> inputs_;
+};
+
+/// Returns the smallest composition that holds the scene, as study_error() does.
+template <class Integrator>
+std::unique_ptr<TimedRun> own_timed_run_of(const ReferenceScene& scene, double h, std::size_t max_steps) {
+  if (!scene.is_articulated()) return std::make_unique<OwnRun<Follower<Integrator, 1>>>(scene, h, max_steps);
+  if (scene.is_coupled()) return std::make_unique<OwnRun<Tool<Integrator, 4>>>(scene, h, max_steps);
+  return std::make_unique<OwnRun<FreeJoints<Integrator, 8>>>(scene, h, max_steps);
+}
+
 }  // namespace
+
+std::unique_ptr<TimedRun> own_timed_run(const ReferenceScene& scene, const std::string& integrator, double h,
+                                        std::size_t max_steps) {
+  return integrator == ImplicitEuler::name ? own_timed_run_of<ImplicitEuler>(scene, h, max_steps)
+                                           : own_timed_run_of<TrBdf2>(scene, h, max_steps);
+}
 
 std::vector<PeerError> own_errors(const std::vector<ReferenceScene>& scenes, bool quick,
                                   const Progress& progress) {
@@ -112,15 +147,15 @@ std::vector<PeerError> own_errors(const std::vector<ReferenceScene>& scenes, boo
   return rows;
 }
 
-std::vector<PeerContact> own_contacts(const std::vector<double>& stiffnesses) {
-  std::vector<PeerContact> rows;
+Runs<PeerContact> own_contacts(const std::vector<double>& stiffnesses) {
+  Runs<PeerContact> runs;
   for (const double k : stiffnesses) {
     for (const std::optional<double> law_k : {std::optional<double>(), std::optional(hard)}) {
-      rows.push_back(own_contact<ImplicitEuler>(k, law_k));
-      rows.push_back(own_contact<TrBdf2>(k, law_k));
+      runs.emplace_back([=] { return own_contact<ImplicitEuler>(k, law_k); });
+      runs.emplace_back([=] { return own_contact<TrBdf2>(k, law_k); });
     }
   }
-  return rows;
+  return runs;
 }
 
 std::vector<PeerStability> own_stability(const std::vector<double>& stiffnesses,

@@ -1,19 +1,28 @@
 // The core's rows of the comparison with its peers.
 #pragma once
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "tests/study/peer/study.h"
+#include "tests/study/peer/timed.h"
 
 namespace godobject::study {
 
 /// scenes: S1 first.
 std::vector<PeerError> own_errors(const std::vector<ReferenceScene>& scenes, bool quick,
                                   const Progress& progress);
-std::vector<PeerContact> own_contacts(const std::vector<double>& stiffnesses);
+Runs<PeerContact> own_contacts(const std::vector<double>& stiffnesses);
 PeerPile own_pile();
 PeerNet own_net();
 std::vector<PeerStability> own_stability(const std::vector<double>& stiffnesses,
                                          const std::vector<double>& steps, double duration);
+
+inline constexpr std::size_t net_steps = 1000;  // of S6
+
+/// Returns an integrator on the first steps of a scene, up to max_steps. Refers to the scene.
+std::unique_ptr<TimedRun> own_timed_run(const ReferenceScene& scene, const std::string& integrator, double h,
+                                        std::size_t max_steps);
 
 }  // namespace godobject::study

@@ -18,8 +18,9 @@ PeerPile own_pile() {
   set_contacts(scene, run->params());
   const std::vector<Input<S>> inputs = run->inputs(steps_in(scene.duration, h), scene.duration);
   bool failed = false;
+  StepClock clock;
   const bench::ContactQuality quality = bench::quality_of(scene, inputs.size(), [&](std::size_t n) {
-    run->step(inputs[n]);
+    clock.time([&] { run->step(inputs[n]); });
     failed = failed || any(run->output().fault);
     bench::Snapshot now{{}, run->output().contacts.num_contacts};
     for (std::size_t i = 0; i < scene.problem.bodies.size(); ++i)
@@ -31,17 +32,20 @@ PeerPile own_pile() {
           .overlap = failed ? infinite : quality.overlap,
           .median = failed ? infinite : quality.overlap_median,
           .us_per_step = {},
-          .p99_us = {}};
+          .p99_us = {},
+          .native_us = clock.median_us(),
+          .native_p99_us = clock.p99_us()};
 }
 
 PeerNet own_net() {
-  constexpr std::size_t steps = 1000;
   bench::HangingRun<NetTool<ImplicitEuler, 1024>> run(NetParams<1, 1>{}.max_iterations);
   run.restart();
-  for (std::size_t n = 0; n < steps; ++n) run.step(0);  // its ball stays away
+  StepClock clock;
+  for (std::size_t n = 0; n < net_steps; ++n) clock.time([&] { run.step(0); });  // its ball stays away
   return {.engine = ImplicitEuler::name,
           .stretch = bench::stretch_error([&](std::uint32_t n) { return run.node(n); }),
-          .us_per_step = {}};
+          .us_per_step = {},
+          .native_us = clock.median_us()};
 }
 
 }  // namespace godobject::study

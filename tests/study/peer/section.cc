@@ -8,14 +8,13 @@
 #include <utility>
 
 #include "tests/study/peer/section.h"
+#include "tests/study/peer/work_precision.h"
 #include "tests/study/report/text.h"
 
 namespace godobject::study {
 namespace {
 
-constexpr double compared_step = 1e-3;  // s
-constexpr double torn = 1;              // strain
-constexpr double noticeable = 0.95;     // of our value, from which on a peer is better
+constexpr double torn = 1;  // strain
 
 std::string scientific(double value) { return std::isfinite(value) ? number(value, 2) : "fails"; }
 
@@ -29,13 +28,6 @@ std::string rule(std::size_t columns) {
   std::string line = "|---|";
   for (std::size_t i = 0; i < columns; ++i) line += "---|";
   return line + '\n';
-}
-
-std::vector<std::string> peer_scenes(const PeerResults& results) {
-  std::vector<std::string> scenes;
-  for (const PeerError& r : results.errors)
-    if (std::ranges::find(scenes, r.scene) == scenes.end()) scenes.push_back(r.scene);
-  return scenes;
 }
 
 /// A number of all engines of which less is better.
@@ -88,35 +80,44 @@ void write_winners(std::ostream& out, const PeerResults& results) {
     const std::string list = peers_better_than(results, integrator);
     if (!list.empty()) better += std::string("- than ") + integrator + ": " + list + ".\n";
   }
+  const std::string in_equal_time = peers_better_in_equal_time(results);
+  if (!in_equal_time.empty())
+    better += "- in equal native time or to an equal error: " + in_equal_time + ".\n";
   if (better.empty()) out << "No peer is better than ours by 5 % at a step of 1 ms.\n";
   else out << "**A peer is better, by 5 % or more at a step of 1 ms:**\n\n" << better;
 }
 
+/// Returns the time of a step, that of an engine in WASM marked.
+std::string time_cell(const std::optional<double>& native_us, const std::optional<double>& wasm_us) {
+  if (native_us) return us(native_us);
+  return wasm_us ? us(wasm_us) + " W" : "-";
+}
+
+std::string order_cell(const PeerResults& results, const std::string& scene, const std::string& engine) {
+  const PeerError* const finest = find_row(results.errors, scene, engine, 0.125e-3);
+  const PeerError* const finer = find_row(results.errors, scene, engine, 0.25e-3);
+  const bool has_order = finest != nullptr && finer != nullptr && std::isfinite(finer->position);
+  return has_order ? number(std::log2(finer->position / finest->position), 2) : "-";
+}
+
 void write_peer_errors(std::ostream& out, const PeerResults& results) {
-  const std::vector<std::string> scenes = peer_scenes(results);
-  out << "\nWorst errors at 1 ms, and the order of the last halving of the step; us of a step of S1 in WASM, "
-         "which are not "
-         "to be compared with native times:\n\n| engine |";
-  for (const std::string& scene : scenes) out << ' ' << scene << ", m | rad | order |";
-  out << " us, WASM |\n" << rule(3 * scenes.size() + 1);
+  const std::vector<std::string> scenes = scenes_of(results);
+  out << "\nWorst errors at 1 ms, the order of the last halving of the step, and us of a step, that is "
+         "ms of a simulated second. Times are native, of one run in interleaved rounds on "
+      << results.machine << "; those with W are of WASM and not to be compared:\n\n| engine |";
+  for (const std::string& scene : scenes) out << ' ' << scene << ", m | rad | order | us |";
+  out << '\n' << rule(4 * scenes.size());
   for (const std::string& engine : engines_of(results)) {
     if (std::ranges::find(results.errors, engine, &PeerError::engine) == results.errors.end()) continue;
     out << "| " << engine << " |";
     for (const std::string& scene : scenes) {
       const PeerError* const r = find_row(results.errors, scene, engine, compared_step);
-      const PeerError* const finest = find_row(results.errors, scene, engine, 0.125e-3);
-      const PeerError* const finer = find_row(results.errors, scene, engine, 0.25e-3);
-      if (r == nullptr) {
-        out << " - | - | - |";
-        continue;
-      }
-      out << ' ' << scientific(r->position) << " | " << scientific(r->rotation) << " | ";
-      const bool has_order = finest != nullptr && finer != nullptr && std::isfinite(finer->position);
-      out << (has_order ? number(std::log2(finer->position / finest->position), 2) : "-");
-      out << " |";
+      if (r == nullptr) out << " - | - | - | - |";
+      else
+        out << ' ' << scientific(r->position) << " | " << scientific(r->rotation) << " | "
+            << order_cell(results, scene, engine) << " | " << time_cell(r->native_us, r->us_per_step) << " |";
     }
-    const PeerError* const s1 = find_row(results.errors, "S1", engine, compared_step);
-    out << ' ' << (s1 != nullptr ? us(s1->us_per_step) : "-") << " |\n";
+    out << '\n';
   }
   out << "\n![errors beside other engines](figures/peers.png)\n";
 }
@@ -125,7 +126,8 @@ void write_peer_contacts(std::ostream& out, const PeerResults& results) {
   if (results.contacts.empty()) return;
   std::set<double> stiffnesses;
   for (const PeerContact& r : results.contacts) stiffnesses.insert(r.k);
-  out << "\nS2 at 1 ms, by the coupling's stiffness: mean penetration and its jitter, m. Ours is the scene's "
+  out << "\nS2 at 1 ms, by the coupling's stiffness: mean penetration and its jitter, m, and us of a step. "
+         "Ours is the scene's "
          "law of 2e5 N/m a sphere, or hard, 1e8 N/m:\n\n| engine |";
   for (const double k : stiffnesses) out << ' ' << number(k) << " N/m |";
   out << '\n' << rule(stiffnesses.size());
@@ -136,25 +138,24 @@ void write_peer_contacts(std::ostream& out, const PeerResults& results) {
       for (const PeerContact& r : results.contacts)
         if (r.engine == engine && r.k == k)
           out << ' ' << (std::isfinite(r.depth) ? number(r.depth, 2) + ", " + number(r.jitter, 2) : "fails")
-              << " |";
+              << ", " << time_cell(r.native_us, r.us_per_step) << " |";
     out << '\n';
   }
 }
 
 void write_peer_many(std::ostream& out, const PeerResults& results) {
   if (results.piles.empty()) return;
-  out << "\nS4 at 1 ms: overlap of bricks, and S6: error of the stretch at rest:\n\n"
-         "| engine | S4, m | median | us, WASM | S6 | us, WASM |\n"
-      << rule(5);
-  for (const PeerPile& r : results.piles) {
-    const auto net = std::ranges::find(results.nets, r.engine, &PeerNet::engine);
+  out << "\nS4 at 1 ms: overlap of bricks, largest and median; S6: error of the stretch at rest; median us "
+         "of a "
+         "step:\n\n| engine | S4, m | median | us |\n"
+      << rule(3);
+  for (const PeerPile& r : results.piles)
     out << "| " << r.engine << " | " << scientific(r.overlap) << " | " << scientific(r.median) << " | "
-        << us(r.us_per_step) << " | "
-        << (net != results.nets.end()
-                ? (net->stretch < torn ? scientific(net->stretch) : "fails") + " | " + us(net->us_per_step)
-                : "- | -")
-        << " |\n";
-  }
+        << time_cell(r.native_us, r.us_per_step) << " |\n";
+  out << "\n| engine | S6 | us |\n" << rule(2);
+  for (const PeerNet& r : results.nets)
+    out << "| " << r.engine << " | " << (r.stretch < torn ? scientific(r.stretch) : "fails") << " | "
+        << time_cell(r.native_us, r.us_per_step) << " |\n";
 }
 
 void write_peer_stability(std::ostream& out, const PeerResults& results) {
@@ -185,27 +186,35 @@ void write_peer_stability(std::ostream& out, const PeerResults& results) {
 
 constexpr const char* peers_method = R"(
 Couplings. MuJoCo: springs and dampers on slides and a ball, the springs' reference moved; on S3 actuators to a mocap body.
-The step's target is that of its start with Euler and implicitfast, its end with `discrete`, its middle with RK4.
-Jolt: six-axis motors to a kinematic target, or forces with implicit denominators. Rapier: such forces; a universal joint is
-two hinges. Jolt and Rapier are single precision and receive the step's mean target velocity. Ours receives that of
-the end. Contacts: MuJoCo's solref 0.02 0.5 was the calmest tried; Jolt's bricks are rounded by 0.5 mm. Times include the
-target's computation and stem from a busy machine. Sources: tests/bench/wasm; command: `./dev study --peers`.
+The step's target is that of its start with Euler, implicit and implicitfast, its end with `discrete`, its middle with RK4.
+ODE: dWorldStep, motor rows that make it implicit Euler. Bullet, Rapier and "Jolt forces": forces with implicit denominators;
+"Jolt motors": six-axis motors to a kinematic target. Simbody evaluates the target at any instant; the accuracy of CPodes is
+(h / 1 s)^2. Bullet (double precision), Jolt and Rapier (single) receive the step's mean target velocity, ours and the
+others that of their instant. Contacts: MuJoCo's solref 0.02 0.5 was the calmest tried, in 2.2 0.02 1; Jolt's bricks are
+rounded by 0.5 mm. WASM times include the target's computation.
+Sources: tests/bench/peer, tests/bench/wasm; command: `./dev study --peers`.
 )";
 
 }  // namespace
 
 void write_peers(std::ostream& out, const PeerResults& results) {
   out << "## Beside other engines\n\n";
-  if (!results.why_not.empty()) {
+  if (results.errors.empty()) {
     out << "Left out: " << results.why_not << ".\n\n";
     return;
   }
   write_winners(out, results);
+  if (!results.why_not.empty()) out << "\nEngines in WASM are left out: " << results.why_not << ".\n";
+  if (!results.missing.empty())
+    out << "\nNative engines not found by the build: " << results.missing << ".\n";
   write_peer_errors(out, results);
+  write_work(out, results);
   write_peer_contacts(out, results);
   write_peer_many(out, results);
   write_peer_stability(out, results);
-  out << peers_method << "\nVersions: " << results.versions << ".\n\n";
+  out << peers_method;
+  if (!results.versions.empty()) out << "\nVersions: " << results.versions << ".\n";
+  out << '\n';
 }
 
 void replace_peers(const std::filesystem::path& report, const PeerResults& results) {

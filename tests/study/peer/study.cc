@@ -1,17 +1,22 @@
 #include "tests/study/peer/study.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
-#include "tests/bench/net_contest.h"
+#include "tests/bench/peer/native_peers.h"
 #include "tests/study/csv_writer.h"
+#include "tests/study/peer/native.h"
 #include "tests/study/peer/own.h"
 #include "tests/study/peer/scene_file.h"
+#include "tests/study/peer/work_precision.h"
 #include "tests/study/reference_solution.h"
+#include "tests/study/report/text.h"
 #include "tests/study/tool.h"
 
 namespace godobject::study {
@@ -51,6 +56,50 @@ json hanging_net_json() {
           {"h", Net::h},           {"duration", 1.0}};
 }
 
+constexpr int rounds = 2;  // of whole runs, the faster of which counts
+
+template <class T>
+void append(std::vector<T>& all, const std::vector<T>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+template <class Row>
+Runs<Row> joined(Runs<Row> all, const Runs<Row>& more) {
+  append(all, more);
+  return all;
+}
+
+/// Returns the processor and its load of the last minute.
+std::string machine_line() {
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  std::string line, name = "an unknown processor";
+  while (std::getline(cpuinfo, line))
+    if (line.starts_with("model name")) name = line.substr(line.find(':') + 2);
+  double load = 0;
+  if (getloadavg(&load, 1) != 1) return name;
+  return name + ", " + std::to_string(std::thread::hardware_concurrency()) + " CPUs, load " + number(load, 2);
+}
+
+/// Returns errors of tr-bdf2 at steps finer than those of the peers, so that curves over time overlap. Scenes
+/// whose reference is tr-bdf2 itself are left out.
+std::vector<PeerError> finer_errors(const std::vector<ReferenceScene>& scenes, const Progress& progress) {
+  std::vector<PeerError> rows;
+  for (const ReferenceScene& scene : scenes) {
+    if (scene.stiff) continue;
+    for (const double h : {0.0625e-3, 0.03125e-3, 0.015625e-3}) {
+      progress("peers: " + scene.name + ", tr-bdf2, " + number(1e6 * h) + " us");
+      const Errors worst = measure_errors(scene, TrBdf2::name, h);
+      rows.push_back({.scene = scene.name,
+                      .engine = TrBdf2::name,
+                      .h = h,
+                      .position = worst.position,
+                      .rotation = worst.rotation,
+                      .us_per_step = {}});
+    }
+  }
+  return rows;
+}
+
 /// Writes the scene files and plan.json, which lists them.
 void write_plan(const fs::path& out, const PeerPlan& plan, bool quick) {
   json content{
@@ -74,6 +123,10 @@ void write_plan(const fs::path& out, const PeerPlan& plan, bool quick) {
     content["nets"].push_back(hanging_net_json());
   }
   std::ofstream(out / "plan.json") << content << '\n';
+}
+
+void add_new(std::vector<std::string>& all, const std::string& one) {
+  if (std::ranges::find(all, one) == all.end()) all.push_back(one);
 }
 
 /// Returns a number of node's rows; null stands for infinity there.
@@ -127,15 +180,23 @@ PeerResults study_peers(const PeerFolders& folders, bool quick, const Progress& 
   fs::create_directories(folders.out);
   const PeerPlan plan = peer_plan(quick);
   PeerResults results;
+  results.missing = bench::native_peers().missing;
   results.errors = own_errors(plan.scenes, quick, progress);
-  progress("peers: S2 and S1 stiffened");
-  results.contacts = own_contacts(plan.pressed);
+  if (!quick) append(results.errors, finer_errors(plan.scenes, progress));
+  append(results.errors, native_errors(plan.scenes, error_steps(quick), progress));
+  results.machine = machine_line();
+  add_native_times(plan.scenes, quick, progress, results.errors);
+  progress("peers: S2");
+  results.contacts = interleaved(joined(own_contacts(plan.pressed), native_contacts(plan.pressed)), rounds);
   if (!quick) {
-    progress("peers: S4 and S6");
-    results.piles.push_back(own_pile());
-    results.nets.push_back(own_net());
+    progress("peers: S4");
+    results.piles = interleaved(joined({own_pile}, native_piles()), rounds);
+    progress("peers: S6");
+    results.nets = interleaved(joined({own_net}, native_nets()), rounds);
   }
+  progress("peers: S1 stiffened");
   results.stability = own_stability(plan.stiffened, plan.steps, plan.stiffened_duration);
+  append(results.stability, native_stability(plan.stiffened, plan.steps, plan.stiffened_duration));
   write_plan(folders.out, plan, quick);
   progress("peers: node");
   results.why_not = run_peers(folders, results);
@@ -152,28 +213,39 @@ const PeerError* find_row(const std::vector<PeerError>& rows, const std::string&
 
 std::vector<std::string> engines_of(const PeerResults& results) {
   std::vector<std::string> engines;
-  const auto add = [&](const std::string& engine) {
-    if (std::ranges::find(engines, engine) == engines.end()) engines.push_back(engine);
-  };
-  for (const PeerError& r : results.errors) add(r.engine);
-  for (const PeerContact& r : results.contacts) add(r.engine);
+  for (const PeerError& r : results.errors) add_new(engines, r.engine);
+  for (const PeerContact& r : results.contacts) add_new(engines, r.engine);
   return engines;
 }
 
+std::vector<std::string> scenes_of(const PeerResults& results) {
+  std::vector<std::string> scenes;
+  for (const PeerError& r : results.errors) add_new(scenes, r.scene);
+  return scenes;
+}
+
 void write_csv(const fs::path& out, const PeerResults& results) {
-  CsvWriter errors(out / "peers-error.csv",
-                   "scene,engine,step_s,position_error_m,rotation_error_rad,wasm_us_per_step");
+  CsvWriter errors(
+      out / "peers-error.csv",
+      "scene,engine,step_s,position_error_m,rotation_error_rad,wasm_us_per_step,native_us_per_step,"
+      "native_ms_per_simulated_s");
   for (const PeerError& r : results.errors)
-    errors.row(r.scene, r.engine, r.h, r.position, r.rotation, r.us_per_step);
+    errors.row(r.scene, r.engine, r.h, r.position, r.rotation, r.us_per_step, r.native_us,
+               r.native_us ? std::optional(1e-3 * *r.native_us / r.h) : std::nullopt);
   CsvWriter contacts(out / "peers-contact.csv",
-                     "engine,stiffness_N_per_m,penetration_m,jitter_m,wasm_us_per_step");
-  for (const PeerContact& r : results.contacts) contacts.row(r.engine, r.k, r.depth, r.jitter, r.us_per_step);
-  CsvWriter piles(out / "peers-pile.csv", "engine,overlap_m,median_overlap_m,wasm_us_per_step,wasm_p99_us");
-  for (const PeerPile& r : results.piles) piles.row(r.engine, r.overlap, r.median, r.us_per_step, r.p99_us);
-  CsvWriter nets(out / "peers-net.csv", "engine,stretch_error,wasm_us_per_step");
-  for (const PeerNet& r : results.nets) nets.row(r.engine, r.stretch, r.us_per_step);
+                     "engine,stiffness_N_per_m,penetration_m,jitter_m,wasm_us_per_step,native_us_per_step");
+  for (const PeerContact& r : results.contacts)
+    contacts.row(r.engine, r.k, r.depth, r.jitter, r.us_per_step, r.native_us);
+  CsvWriter piles(
+      out / "peers-pile.csv",
+      "engine,overlap_m,median_overlap_m,wasm_us_per_step,wasm_p99_us,native_us_per_step,native_p99_us");
+  for (const PeerPile& r : results.piles)
+    piles.row(r.engine, r.overlap, r.median, r.us_per_step, r.p99_us, r.native_us, r.native_p99_us);
+  CsvWriter nets(out / "peers-net.csv", "engine,stretch_error,wasm_us_per_step,native_us_per_step");
+  for (const PeerNet& r : results.nets) nets.row(r.engine, r.stretch, r.us_per_step, r.native_us);
   CsvWriter stability(out / "peers-stability.csv", "engine,stiffness_N_per_m,step_s,distance_m");
   for (const PeerStability& r : results.stability) stability.row(r.engine, r.k, r.h, r.distance);
+  write_work_csv(out / "peers-work.csv", results);
 }
 
 }  // namespace godobject::study

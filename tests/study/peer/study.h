@@ -1,4 +1,5 @@
-// Engines of 2026 beside the core: the same scenes in MuJoCo, Jolt and Rapier, by tests/bench/wasm in node.
+// Other engines beside the core on the same scenes: natively those of tests/bench/peer, in node those of
+// tests/bench/wasm. Native times stem from one run in interleaved rounds; those of WASM are not comparable.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +11,17 @@
 
 namespace godobject::study {
 
+inline constexpr double compared_step = 1e-3;  // s, of the report's tables
+inline constexpr double noticeable = 0.95;     // of our value, from which on a peer is better
+
 /// Error of an engine on a scene with a reference; infinite if it failed.
 struct PeerError {
   std::string scene, engine;
-  double h = 0;                       // s
-  double position = 0;                // m
-  double rotation = 0;                // rad
-  std::optional<double> us_per_step;  // in WASM; absent for the core
+  double h = 0;                          // s
+  double position = 0;                   // m
+  double rotation = 0;                   // rad
+  std::optional<double> us_per_step;     // in WASM; absent for native engines
+  std::optional<double> native_us = {};  // of a step; absent in WASM
 };
 
 /// S2, the tool pressed into a plane and dragged, at 1 ms.
@@ -26,6 +31,7 @@ struct PeerContact {
   double depth = 0;   // m: mean penetration after 3 s; infinite if the engine failed
   double jitter = 0;  // m: rms of its change from step to step
   std::optional<double> us_per_step;
+  std::optional<double> native_us = {};
 };
 
 /// S4, a brick dragged through a pile of 63, 20 s at 1 ms.
@@ -34,6 +40,7 @@ struct PeerPile {
   double overlap = 0;  // m: of the two deepest bricks, largest of 200 instants; infinite if it failed
   double median = 0;   // m
   std::optional<double> us_per_step, p99_us;
+  std::optional<double> native_us = {}, native_p99_us = {};
 };
 
 /// S6, the hanging net of tests/bench/net_contest.h after 1 s, without its ball.
@@ -41,6 +48,7 @@ struct PeerNet {
   std::string engine;
   double stretch = 0;  // largest difference of a hanging spring's strain from that at rest
   std::optional<double> us_per_step;
+  std::optional<double> native_us = {};
 };
 
 /// S1 with its springs stiffened at equal damping ratio, 2 s.
@@ -58,7 +66,9 @@ struct PeerResults {
   std::vector<PeerNet> nets;
   std::vector<PeerStability> stability;
   std::string versions;  // of the packages
-  std::string why_not;   // reason that no peer ran; empty if they ran
+  std::string why_not;   // reason that no peer ran in node; empty if they ran
+  std::string missing;   // native engines that the build has not found; empty if none
+  std::string machine;   // processor, and its load when the times were measured
 };
 
 struct PeerFolders {
@@ -66,7 +76,8 @@ struct PeerFolders {
   std::filesystem::path packages;  // with node_modules; empty: that of ./dev setup peers
 };
 
-/// Runs the core and, if node and the packages are installed, its peers. quick: S1 alone, for a second.
+/// Runs the core, the native peers of the build and, if node and the packages are installed, those in WASM.
+/// quick: S1 alone, for a second.
 PeerResults study_peers(const PeerFolders& folders, bool quick, const Progress& progress);
 
 /// Returns the source of the program for node.
@@ -79,10 +90,12 @@ bool is_ours(const std::string& engine);
 const PeerError* find_row(const std::vector<PeerError>& rows, const std::string& scene,
                           const std::string& engine, double h);
 
-/// Returns the engines, the core's integrators first.
+/// Returns the engines, the core's integrators first, and the scenes with a reference.
 std::vector<std::string> engines_of(const PeerResults& results);
+std::vector<std::string> scenes_of(const PeerResults& results);
 
-/// Writes peers-error.csv, peers-contact.csv, peers-pile.csv, peers-net.csv and peers-stability.csv.
+/// Writes peers-error.csv, peers-contact.csv, peers-pile.csv, peers-net.csv, peers-stability.csv and
+/// peers-work.csv.
 void write_csv(const std::filesystem::path& out, const PeerResults& results);
 
 void write_peer_script(const std::filesystem::path& out, const PeerResults& results);
