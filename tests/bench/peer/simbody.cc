@@ -107,6 +107,7 @@ class Simbody final : public Peer {
     if (failed_) return;
     try {
       integrator_->stepTo(static_cast<double>(n + 1) * h_);
+      system_.realize(integrator_->getState(), SimTK::Stage::Position);
     } catch (const SimTK::Exception::Base&) {
       failed_ = true;
     }
@@ -116,9 +117,7 @@ class Simbody final : public Peer {
     RigidState x;
     x.p.setConstant(std::numeric_limits<double>::quiet_NaN());
     if (failed_) return x;
-    const SimTK::State& state = integrator_->getState();
-    system_.realize(state, SimTK::Stage::Position);
-    return state_of(bodies_[i], state);
+    return state_of(bodies_[i], integrator_->getState());
   }
 
  private:

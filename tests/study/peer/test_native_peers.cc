@@ -138,6 +138,15 @@ TEST(NativePeers, ReportAFailureAtAStepThatIsTooLong) {
   }
 }
 
+TEST(NativePeers, ReportAFailureOfAStiffSpring) {
+  for (const PeerStability& r : native_stability({1e6}, {2e-3}, 0.5)) {
+    SCOPED_TRACE(r.engine);
+    const bool is_implicit = r.engine.starts_with("ODE 0.16 motor rows") || r.engine.starts_with("Bullet") ||
+                             r.engine == "Simbody 3.7 CPodes";
+    EXPECT_EQ(r.distance < 1e-3, is_implicit) << r.distance;
+  }
+}
+
 TEST(NativePeers, ArePressedAsDeepAsTheLawHasIt) {
   for (const auto& run : native_contacts({1e4})) {
     const PeerContact row = run();

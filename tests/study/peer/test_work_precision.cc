@@ -113,6 +113,17 @@ TEST(WorkComparison, KeepsThePeerThatIsBestInEach) {
   EXPECT_EQ(c.time_to_our_error.value().engine, "accurate");
 }
 
+TEST(WorkComparison, PrefersAPeerThatReachesOurErrorToAFasterOne) {
+  PeerResults results;
+  add(results, "tr-bdf2", 1e-6, 2, 1);
+  add(results, "inaccurate", 1e-3, 1, 0.5);
+  add(results, "accurate", 1e-6, 2, 50);
+  add(results, "inaccurate too", 1e-3, 1, 0.4);
+  const WorkComparison c = of(compare_work(results), "tr-bdf2");
+  EXPECT_EQ(c.time_to_our_error.value().engine, "accurate");
+  expect(c.time_to_our_error->ratio, Kind::exact, 50);
+}
+
 TEST(WorkComparison, OfAFailedPeerIsLeftOut) {
   PeerResults results;
   add(results, "tr-bdf2", 1e-6, 2, 1);

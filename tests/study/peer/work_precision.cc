@@ -35,6 +35,14 @@ void keep_best(std::optional<BestPeer>& best, const std::string& engine, const R
   if (!best || ratio.value < best->ratio.value) best = BestPeer{.engine = engine, .ratio = ratio};
 }
 
+/// Keeps a peer that reaches the error before those that do not at any of their steps.
+void keep_reached(std::optional<BestPeer>& best, const std::string& engine, const Reading& ratio) {
+  const bool is_reached = ratio.kind != Kind::at_least;
+  const bool best_is_reached = best && best->ratio.kind != Kind::at_least;
+  if (best && is_reached && !best_is_reached) best.reset();
+  if (is_reached || !best_is_reached) keep_best(best, engine, ratio);
+}
+
 std::optional<WorkPoint> point_at(const PeerResults& results, const std::string& scene,
                                   const std::string& engine, ErrorColumn column) {
   const PeerError* const row = find_row(results.errors, scene, engine, compared_step);
@@ -58,7 +66,7 @@ WorkComparison compared(const PeerResults& results, const std::string& scene, co
     if (is_ours(engine)) continue;
     const WorkCurve curve = curve_of(results, scene, engine, column);
     keep_best(result.error_in_our_time, engine, over(curve.error_at(own->time), own->error));
-    keep_best(result.time_to_our_error, engine, over(curve.time_to(own->error), own->time));
+    keep_reached(result.time_to_our_error, engine, over(curve.time_to(own->error), own->time));
     if (const auto its = point_at(results, scene, engine, column)) {
       keep_best(result.error_in_its_time, engine, over(its->error, own_curve.error_at(its->time)));
       keep_best(result.time_to_its_error, engine, over(its->time, own_curve.time_to(its->error)));
