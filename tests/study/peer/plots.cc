@@ -88,7 +88,9 @@ void write_peer_script(const std::filesystem::path& out, const PeerResults& resu
          << "'\nset xrange " << panel.x_range << '\n';
       plot_lines(scene, &panel);
     }
-  gp << "set key at screen 0.99,0.97 top right font 'sans,8' noenhanced\nunset title\nunset border\nunset "
+  gp << "set lmargin at screen 0.8\nset rmargin at screen 0.99\nset tmargin at screen 0.99\nset bmargin at "
+        "screen 0.01\nset key at screen 0.99,0.97 top right font 'sans,8' noenhanced\nunset "
+        "title\nunset border\nunset "
         "tics\n"
      << "unset xlabel\nunset ylabel\nunset grid\nset xrange [1:2]\nset yrange [1:2]\n";
   plot_lines("", nullptr);

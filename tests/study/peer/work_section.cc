@@ -22,7 +22,9 @@ constexpr std::array<Column, 4> columns{
      {"time_to_our_error", "its time to our error", &WorkComparison::time_to_our_error},
      {"time_to_its_error", "its time, ours to its error", &WorkComparison::time_to_its_error}}};
 
+/// Returns the ratio; "open" for a lower bound that leaves open which is better.
 std::string ratio_text(const Reading& ratio) {
+  if (ratio.kind == Kind::at_least && ratio.value < 1) return "open";
   const char* const bound = ratio.kind == Kind::at_most ? "< " : ratio.kind == Kind::at_least ? "> " : "";
   return bound + number(ratio.value, 2);
 }
