@@ -18,6 +18,10 @@ struct CaseResult {
   bool holds() const { return run.fault == 0 && run.gain <= MapSample::max_silent_gain && value <= limit; }
 };
 
+/// Runs the cases of bodies on joints. Instances: ImplicitEuler, TrBdf2.
+template <class I>
+std::vector<CaseResult> cases_of_joints();
+
 /// Runs all cases with both integrators. steps_at_rest: length of the case of a body at rest.
 std::vector<CaseResult> study_cases(long steps_at_rest = 10'000'000);
 
