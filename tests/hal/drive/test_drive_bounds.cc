@@ -5,6 +5,7 @@
 
 #include "hal/drive/cia402.h"
 #include "hal/drive/drive.h"
+#include "hal/drive/moteus.h"
 
 namespace godobject::test_drive_bounds {
 namespace {
@@ -59,8 +60,11 @@ TEST(DriveFeedback, SilentAfterTheSyncsThatItMaySkip) {
 TEST(DriveFeedback, RequestHasTheLastOrder) {
   const DriveParams params{.joint = "yaw", .protocol = DriveProtocol::moteus, .node_id = 7};
   Drive drive(params, 1e-3, 3 * ms);
+  moteus::Reply reply;
+  reply.mode = moteus::mode_position;
+  EXPECT_EQ(drive.on_frame(moteus::make_reply(7, reply), 0).result, ParseResult::ok);
   const std::optional<CanFrame> before = drive.request();
-  drive.sent(drive.plan(0, DriveGoal::quick_stop, 0), 0);
+  drive.sent(drive.plan(1, DriveGoal::hold, 0), 0);
   const std::optional<CanFrame> after = drive.request();
   ASSERT_TRUE(before && after);
   EXPECT_FALSE(std::ranges::equal(before->bytes(), after->bytes()));
