@@ -8,15 +8,15 @@ namespace {
 
 constexpr Nanoseconds ms = 1'000'000;
 
-/// 1 ms samples: max_speed allows two counts per sample.
-Encoder slow_encoder() { return Encoder({.counts_per_unit = 1000, .modulus_counts = 4096}, 2, 3 * ms); }
+/// 1 ms samples: max_speed allows exactly three counts per sample.
+Encoder slow_encoder() { return Encoder({.counts_per_unit = 1000, .modulus_counts = 4096}, 3, 3 * ms); }
 
 TEST(EncoderBounds, TravelIsThatOfMaxSpeedAndOneCount) {
-  for (const std::uint32_t travel : {3u, 4u}) {
+  for (const std::uint32_t travel : {4u, 5u}) {
     Encoder encoder = slow_encoder();
     encoder.update(100, ms);
     encoder.update(100 + travel, 2 * ms);
-    EXPECT_EQ(encoder.sample(2 * ms).valid, travel == 3) << travel;
+    EXPECT_EQ(encoder.sample(2 * ms).valid, travel == 4) << travel;
   }
 }
 

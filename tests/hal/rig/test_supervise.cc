@@ -73,10 +73,10 @@ TEST(Supervise, EndOfAnOldCodeIsNoCode) {
   boot_to_enabled_drive(world);
   world.device.send(cia402::make_event(test::drive_id, {.mode = 10, .error_code = 0x1000}), world.now());
   cycles(world, 1);
-  world.device.drive = cia402::DriveState::switch_on_disabled;
+  world.device.drive = cia402::DriveState::fault;
   world.device.send(cia402::make_event(test::drive_id, {.mode = 10}), world.now());
   EXPECT_EQ(cycles_to_fault(world), 1 + 8 + 1);
-  EXPECT_EQ(world.rig.faults(), RigFault::drive_not_enabled);
+  EXPECT_EQ(world.rig.faults(), RigFault::drive_error);
 }
 
 // The boot's time is over while the code of a failure is awaited.
