@@ -90,19 +90,23 @@ TEST(SharedWorld, RefusesNamesAndSegmentsInUse) {
 }
 
 TEST(SharedWorld, TakesOverTheNameOfAKilledRun) {
+  const std::string name = name_of_test();
   const pid_t child = fork();
   if (child == 0) {
     auto* const lost = new SharedWorld;
-    _exit(lost->open(name_of_test(), 6, 1e-3).empty() ? 0 : 1);  // without its destructor, as if killed
+    _exit(lost->open(name, 6, 1e-3).empty() ? 0 : 1);  // without its destructor, as if killed
   }
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   ASSERT_EQ(status, 0);
+  const int left = shm_open(("/" + name).c_str(), O_RDONLY, 0);
+  EXPECT_GE(left, 0);
+  close(left);
   {
     SharedWorld next;
-    EXPECT_EQ(next.open(name_of_test(), 6, 1e-3), "");
+    EXPECT_EQ(next.open(name, 6, 1e-3), "");
   }
-  EXPECT_EQ(shm_open(("/" + name_of_test()).c_str(), O_RDONLY, 0), -1);
+  EXPECT_EQ(shm_open(("/" + name).c_str(), O_RDONLY, 0), -1);
 }
 
 }  // namespace
