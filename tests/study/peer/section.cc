@@ -36,6 +36,13 @@ struct Measure {
   std::vector<std::pair<std::string, double>> values;  // engine, value
 };
 
+/// Returns the least and the greatest stiffness of S2; the others are in the result file.
+std::set<double> reported_stiffnesses(const PeerResults& results) {
+  std::set<double> all;
+  for (const PeerContact& r : results.contacts) all.insert(r.k);
+  return all.empty() ? all : std::set<double>{*all.begin(), *all.rbegin()};
+}
+
 std::vector<Measure> measures_of(const PeerResults& results) {
   std::vector<Measure> all;
   const auto add = [&](const std::string& name, const std::string& engine, double value) {
@@ -48,7 +55,9 @@ std::vector<Measure> measures_of(const PeerResults& results) {
     add(r.scene + " position", r.engine, r.position);
     add(r.scene + " rotation", r.engine, r.rotation);
   }
+  const std::set<double> stiffnesses = reported_stiffnesses(results);
   for (const PeerContact& r : results.contacts) {
+    if (!stiffnesses.contains(r.k)) continue;
     add("S2 penetration at " + number(r.k) + " N/m", r.engine, r.depth);
     add("S2 jitter at " + number(r.k) + " N/m", r.engine, r.jitter);
   }
@@ -117,8 +126,7 @@ void write_peer_errors(std::ostream& out, const PeerResults& results) {
 
 void write_peer_contacts(std::ostream& out, const PeerResults& results) {
   if (results.contacts.empty()) return;
-  std::set<double> stiffnesses;
-  for (const PeerContact& r : results.contacts) stiffnesses.insert(r.k);
+  const std::set<double> stiffnesses = reported_stiffnesses(results);
   out << "\nS2 at 1 ms, by the coupling's stiffness: mean penetration and its jitter, m, and us of a step. "
          "Ours is the scene's "
          "law of 2e5 N/m a sphere, or hard, 1e8 N/m:\n\n| engine |";

@@ -1,6 +1,8 @@
 // Work-precision in the report and in a result file.
 #include <algorithm>
 #include <array>
+#include <string_view>
+#include <vector>
 
 #include "tests/study/csv_writer.h"
 #include "tests/study/peer/work_precision.h"
@@ -29,24 +31,32 @@ std::string ratio_text(const Reading& ratio) {
   return bound + number(ratio.value, 2);
 }
 
+/// Returns the comparisons by position; those by rotation are in the result file.
+std::vector<WorkComparison> reported(const PeerResults& results) {
+  std::vector<WorkComparison> all = compare_work(results);
+  std::erase_if(all, [](const WorkComparison& c) { return std::string_view(c.quantity) != "position"; });
+  return all;
+}
+
 }  // namespace
 
 std::string peers_better_in_equal_time(const PeerResults& results) {
   std::string text;
-  for (const WorkComparison& c : compare_work(results))
+  for (const WorkComparison& c : reported(results))
     for (const Column& column : columns) {
       const std::optional<BestPeer>& best = c.*column.best;
       if (!best || best->ratio.kind == Kind::at_least || !(best->ratio.value < noticeable)) continue;
-      text += (text.empty() ? "" : "; ") + c.scene + " " + c.quantity + " than " + c.integrator + " (" +
-              best->engine + ", " + column.about + ": " + ratio_text(best->ratio) + " times ours)";
+      text += (text.empty() ? "" : "; ") + c.scene + " than " + c.integrator + " (" + best->engine + ", " +
+              column.about + ": " + ratio_text(best->ratio) + " times ours)";
     }
   return text;
 }
 
 void write_work(std::ostream& out, const PeerResults& results) {
-  const std::vector<WorkComparison> all = compare_work(results);
+  const std::vector<WorkComparison> all = reported(results);
   if (all.empty()) return;
-  out << "\nWork and precision: the best native peer over ours, above 1 where ours is better. Columns: "
+  out << "\nWork and precision of the position: the best native peer over ours, above 1 where ours is "
+         "better. Columns: "
          "errors in equal "
          "time, at the time of our step of 1 ms and of its; times to an equal error, that of our step of 1 "
          "ms and of "
@@ -54,7 +64,7 @@ void write_work(std::ostream& out, const PeerResults& results) {
   for (const Column& column : columns) out << ' ' << column.about << " |";
   out << "\n|---|---|---|---|---|---|\n";
   for (const WorkComparison& c : all) {
-    out << "| " << c.scene << ' ' << c.quantity << " | " << c.integrator << " |";
+    out << "| " << c.scene << " | " << c.integrator << " |";
     for (const Column& column : columns) {
       const std::optional<BestPeer>& best = c.*column.best;
       out << ' ' << (best ? ratio_text(best->ratio) + " (" + best->engine + ")" : "none so fast") << " |";
