@@ -61,6 +61,13 @@ TEST(EncoderBounds, TurnIsLostAfterHalfOfIt) {
   EXPECT_TRUE(encoder.turn_is_lost(41 * ms));
 }
 
+TEST(EncoderBounds, TurnIsLostAtExactlyHalfOfIt) {
+  Encoder encoder({.counts_per_unit = 1000, .modulus_counts = 4000}, 50, 3 * ms);
+  encoder.update(100, 0);
+  EXPECT_TRUE(encoder.turn_is_lost(40 * ms));
+  EXPECT_FALSE(encoder.turn_is_lost(40 * ms - 1000));
+}
+
 TEST(EncoderBounds, TurnIsNotLostBeforeTheSampleIsStale) {
   Encoder encoder({.counts_per_unit = 1000, .modulus_counts = 64}, 50, 3 * ms);
   encoder.update(10, 0);

@@ -104,6 +104,9 @@ TEST(Supervise, FailureWithoutACodeIsRaisedAfterLostAfter) {
     EXPECT_EQ(cycles_to_fault(world), 1 + 8 + 1);  // in its first cycle, and lost_after exceeded
     const bool is_fault = failed == cia402::DriveState::fault;
     EXPECT_EQ(world.rig.faults(), is_fault ? RigFault::drive_error : RigFault::drive_not_enabled);
+    world.apply(RigTrial::clear);
+    world.apply(RigTrial::wait);
+    EXPECT_EQ(world.rig.state(), RigState::ready) << "enabled again after clearing";
   }
 }
 
