@@ -32,9 +32,9 @@ centres of mass, angle between the attitudes; on S1 and S3 from 0.5 s on. The de
 end of each step. Time is the median over up to 1000 steps of the smallest composition. Instructions are those of S1
 (articulated tools: S3, or S5 with eight links).
 
-Drawn at random, 0.252 s each, against tr-bdf2 at 1/64 ms: released, a rod of 10 to 40 cm and 20 g to 1 kg, up to 10 cm
-and 2.5 rad from its target; led, the same with a target that swings at up to 2 Hz; chain, S5 of 2 to 5 links, the last
-up to 100 times heavier; top, a body that spins at 10 to 200 rad/s on a ball joint.
+Drawn, 0.252 s each, against tr-bdf2 at 1/64 ms: released, a rod of 10 to 40 cm and 20 g to 1 kg, up to 10 cm and 2.5 rad
+from its target; led, the target swings at up to 2 Hz; chain, S5 of 2 to 5 links, the last up to 100 times heavier; top,
+10 to 200 rad/s on a ball joint.
 
 )";
 
@@ -56,26 +56,23 @@ The explicit scheme is semi-implicit Euler with the spring's force at the start 
 static_assert(max_energy_loss == 0.1 && max_energy_rise == 1e-9 && max_energy_ratio == 1e6, "quoted above");
 
 constexpr const char* footprint_method =
-    R"(**Footprint.** Data are `sizeof`, code and constants .text and .rodata of an archive of one step. Instructions are
-counted by callgrind: 1000 steps less 500 steps of S1 at 1 ms, over 500.
+    R"(**Footprint.** `sizeof`; .text and .rodata of an archive of one step; callgrind: 1000 steps less 500 of S1 at 1 ms.
 
 )";
 
 constexpr const char* joints_method =
-    R"(**Joints.** Drift is the worst e_v (m) and e_w (rad) of any joint (core/joint/joint.h) after any step. In the map all
-stiffnesses of S3 rise together. A run has failed at a fault, a joint apart by more than 0.1 m or 1 rad, or a tool with
-more than 100 times the largest kinetic energy of its device.
+    R"(**Joints.** Drift: worst e_v (m) and e_w (rad) of a joint (core/joint/joint.h). In the map all stiffnesses of S3 rise
+together. Failed: a fault, a joint apart by 0.1 m or 1 rad, or 100 times the device's largest kinetic energy.
 
 )";
 static_assert(max_apart == 0.1 && max_apart_angle == 1 && max_energy_ratio_of_device == 100, "quoted above");
 
 constexpr const char* contacts_method =
-    R"(**Contacts.** press and bounce: against the solutions of their cases at multiples of 2 ms. Errors depend on the time of
-an impact within a step, so only orders over all steps are meaningful. A bounce's error is the larger share of its
-height and its time.
+    R"(**Contacts.** press and bounce: against the solutions of their cases at multiples of 2 ms. An impact's time within a step
+matters, so only orders over all steps count. A bounce's error: the larger share of height and time.
 
-The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, and pressed into it by a coupling and dragged;
-0.6 s, at most 2000 steps; damping over critical, 2 sqrt(m k). The gain omits the energy in contact springs.
+The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, pressed and dragged; 0.6 s, at most 2000
+steps; damping over 2 sqrt(m k); gain without the energy in contact springs.
 
 lego: energy is of bricks never held; one that leaves the board or is faster than 1 m/s is ejected. The residual is the
 worst force's deviation from its law or balance.
@@ -86,17 +83,17 @@ Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
 static_assert(ejected_speed == 1, "quoted above");
 
 constexpr const char* extremes_method =
-    R"(**Extremes.** A cell is the worst of its cases, drawn with seeds that the CSV files name (tests/study/extreme).
-Energy is that of bodies, springs and gravity; of nets, also of contacts, less work from outside
-(core/energy_balance.h), gained beyond 1 % of what is at work. A fault, or a joint 1 mm apart, counts as infinite.
+    R"(**Extremes.** A cell is the worst of its drawn cases (tests/study/extreme; seeds in the CSV files). Energy: of bodies,
+springs, gravity, with nets of contacts, less outer work (core/energy_balance.h), beyond 1 % of what is at work. A fault,
+or a joint 1 mm apart, is infinite.
 
 )";
 static_assert(gain_allowed == 0.01, "quoted above");
 
 constexpr const char* nets_method =
-    R"(**Nets.** The small net: 5 x 5 nodes on a body that a hand sways for 0.128 s, free, or with a corner pressed on a plane
-(tests/core/net/small_net.h). Error: of the farthest node or body at the end. Cost: S6, a tube on a coupled body, pressed
-on a bar and drawn off for 0.9 s; each step is timed.
+    R"(**Nets.** Small: 5 x 5 nodes on a body swayed for 0.128 s, free, or a corner pressed on a plane
+(tests/core/net/small_net.h). Error: farthest node or body at the end. Cost: S6, a tube pressed on a bar and drawn off for
+0.9 s.
 
 )";
 
