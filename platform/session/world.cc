@@ -11,21 +11,21 @@ namespace godobject {
 namespace {
 
 // Bounds of values that are possible in a room with a tool.
-constexpr double max_distance = 100, max_speed = 10;         // m, m/s
-constexpr double max_stiffness = 1e6, max_damping = 1e4;     // N/m, N s/m
-constexpr double max_valid_s = 1, max_extrapolated_s = 0.1;  // s
-constexpr double max_damper_m = 2e-3;                        // displacement for a damper's force, m
-constexpr double max_norm_error = 1e-3;                      // of the normal
-constexpr double forgotten_s = 50;                           // time constant of the energy balance, s
+constexpr double max_distance = 100, max_speed = 10;            // m, m/s
+constexpr double max_stiffness = 1e6, max_plane_damping = 1e4;  // N/m, N s/m
+constexpr double max_valid_s = 1, max_extrapolated_s = 0.1;     // s
+constexpr double max_damper_m = 2e-3;                           // displacement for a damper's force, m
+constexpr double max_normal_error = 1e-3;                       // of the normal
+constexpr double forgotten_s = 50;                              // time constant of the energy balance, s
 
 Vec3 vec(const std::array<double, 3>& a) noexcept { return {a[0], a[1], a[2]}; }
 std::array<double, 3> array_of(const Vec3& a) noexcept { return {a.x(), a.y(), a.z()}; }
 
 bool is_plane(const WorldPlane& plane) noexcept {
   return plane.id != 0 && vec(plane.p_W_m).norm() <= max_distance &&  // each false for NaN
-         std::abs(vec(plane.n_W).norm() - 1) <= max_norm_error && vec(plane.v_W_m_s).norm() <= max_speed &&
+         std::abs(vec(plane.n_W).norm() - 1) <= max_normal_error && vec(plane.v_W_m_s).norm() <= max_speed &&
          vec(plane.moved_W_m).norm() <= max_distance && plane.k_N_m > 0 && plane.k_N_m <= max_stiffness &&
-         plane.c_Ns_m >= 0 && plane.c_Ns_m <= max_damping;
+         plane.c_Ns_m >= 0 && plane.c_Ns_m <= max_plane_damping;
 }
 
 }  // namespace

@@ -23,6 +23,7 @@
 #include "hal/joint/inverse_kinematics.cc"
 #include "hal/joint/kinematic_tree.cc"
 #include "hal/joint/sync_attribution.cc"
+#include "hal/joint/transmission.cc"
 #include "hal/rig/fault.cc"
 #include "hal/rig/receive.cc"
 #include "hal/rig/request.cc"
@@ -48,4 +49,5 @@
 #include "platform/rig/log_link.cc"
 #include "platform/rig/run.cc"
 #include "platform/session/session.cc"
+#include "platform/session/world.cc"
 #include "platform/view/pointer.cc"
