@@ -7,8 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "tests/support/allocation_guard.h"
-
 namespace godobject::test_transmission {
 namespace {
 
@@ -80,16 +78,6 @@ TEST(Transmission, NoneLeavesEveryBitAlone) {
   EXPECT_TRUE(std::signbit(y(0)) && std::signbit(z(0)));
   EXPECT_EQ(y, x);
   EXPECT_EQ(none.actuators(x), x);
-}
-
-TEST(Transmission, MapsWithoutAllocating) {
-  const TransmissionParams of_discs = discs();
-  const Transmission transmission({&of_discs, 1}, joints_of_driver());
-  const JointVector a = vector_of({0.1, 0.2, -0.3, 0.4, 0.5});
-  AllocationGuard guard;
-  const JointVector q = transmission.joints(a), tau = transmission.actuator_torques(a);
-  EXPECT_EQ(guard.calls(), 0) << guard.report();
-  EXPECT_TRUE(q.allFinite() && tau.allFinite());
 }
 
 struct Broken {
