@@ -8,7 +8,7 @@
 namespace godobject::test::test_display_ratio {
 namespace {
 
-constexpr double ratio = 0.4;
+constexpr double ratio = 0.7;
 
 /// A device that shows nothing and keeps the last wrench.
 class Listener final : public HandDevice {
