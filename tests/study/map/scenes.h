@@ -1,8 +1,8 @@
 // Scenes of the stability map that no test of the core shares; their steps are compiled in steps.cc.
 #pragma once
 
+#include "core/compiled_step.h"
 #include "tests/core/one_body.h"
-#include "tests/support/compiled_step.h"
 
 namespace godobject::study {
 
