@@ -56,7 +56,10 @@ std::vector<std::string> validate(std::span<const TransmissionParams> transmissi
   std::vector<std::string> errors;
   std::vector<std::string> seen;
   for (const TransmissionParams& t : transmissions) {
-    if (t.joints.empty()) errors.emplace_back("joints must name at least one joint");
+    if (t.joints.empty()) {
+      errors.emplace_back("joints must name at least one joint");
+      continue;
+    }
     for (const std::string& joint : t.joints) {
       if (index_of(joints, joint) == std::ssize(joints))
         errors.push_back("the device has no joint '" + joint + "'");
@@ -64,8 +67,7 @@ std::vector<std::string> validate(std::span<const TransmissionParams> transmissi
         errors.push_back("joint '" + joint + "' is named twice: a joint belongs to one transmission");
       seen.push_back(joint);
     }
-    if (const std::string error = error_of_matrix(t); !t.joints.empty() && !error.empty())
-      errors.push_back(error);
+    if (const std::string error = error_of_matrix(t); !error.empty()) errors.push_back(error);
   }
   return errors;
 }

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
@@ -65,10 +66,8 @@ class SharedWorld final : public WorldLink {
   bool receive(WorldPacket& packet) noexcept override {
     const std::uint64_t sequence = word(segment_->world_sequence).load(std::memory_order_acquire);
     if (sequence <= received_ || sequence % 2 != 0) return false;
-    std::uint32_t crc = 0;
-    std::memcpy(&packet, &segment_->world, sizeof packet);
-    std::memcpy(&crc, &segment_->world_crc, sizeof crc);
-    std::atomic_thread_fence(std::memory_order_acquire);
+    load(segment_->world, packet);
+    const std::uint32_t crc = word(segment_->world_crc).load(std::memory_order_acquire);
     if (word(segment_->world_sequence).load(std::memory_order_relaxed) != sequence) return false;
     received_ = sequence;
     if (crc == crc32({reinterpret_cast<const char*>(&packet), sizeof packet})) return true;
@@ -80,8 +79,7 @@ class SharedWorld final : public WorldLink {
     const auto sequence = word(segment_->tool_sequence);
     const std::uint64_t next = (sequence.load(std::memory_order_relaxed) | 1) + 1;
     sequence.store(next - 1, std::memory_order_relaxed);
-    std::atomic_thread_fence(std::memory_order_release);
-    std::memcpy(&segment_->tool, &packet, sizeof packet);
+    store(packet, segment_->tool);
     sequence.store(next, std::memory_order_release);
   }
 
@@ -94,6 +92,29 @@ class SharedWorld final : public WorldLink {
   template <class T>
   static std::atomic_ref<T> word(T& value) noexcept {
     return std::atomic_ref<T>(value);
+  }
+  template <class T>
+  using Words = std::array<std::uint64_t, sizeof(T) / sizeof(std::uint64_t)>;
+  template <class T>
+  static std::atomic_ref<std::uint64_t> word_of(T& packet, std::size_t i) noexcept {
+    static_assert(sizeof(T) % sizeof(std::uint64_t) == 0 && alignof(T) == alignof(std::uint64_t));
+    return word(reinterpret_cast<std::uint64_t*>(&packet)[i]);
+  }
+  /// Copies a packet out of the segment. Acquire: the sequence is read again after all words.
+  template <class T>
+  static void load(T& shared, T& packet) noexcept {
+    Words<T> words;
+    for (std::size_t i = 0; i < words.size(); ++i)
+      words[i] = word_of(shared, i).load(std::memory_order_acquire);
+    std::memcpy(static_cast<void*>(&packet), words.data(), sizeof packet);
+  }
+  /// Copies a packet into the segment. Release: the odd sequence is written before all words.
+  template <class T>
+  static void store(const T& packet, T& shared) noexcept {
+    Words<T> words;
+    std::memcpy(words.data(), &packet, sizeof packet);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      word_of(shared, i).store(words[i], std::memory_order_release);
   }
   static bool is_left_behind(const std::string& path);
 
