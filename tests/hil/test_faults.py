@@ -38,7 +38,9 @@ def test_promise_is_kept(promise, rig, scene):
         as_promised = always <= names <= always | promise.maybe
         if as_promised and in_time:
             return
-        assert names ^ always <= STARVED | promise.maybe, run.fault_text()
+        # An impostor's boot-up message that collides with a frame of the node is lost: tried again.
+        lost = {"node_restarted"} if words.startswith("id-collision") else set()
+        assert names ^ always <= STARVED | promise.maybe | lost, run.fault_text()
         # A late zero is repeated only if the run was late, otherwise persisting torque could pass a retry.
         assert not as_promised or run.missed_deadlines(), late_text(words, promise, times, zero_after_s, run)
     pytest.fail(f"{hil.ATTEMPTS} times; the last: " + late_text(words, promise, times, zero_after_s, run))
