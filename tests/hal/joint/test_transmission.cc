@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <ostream>
 #include <random>
 
 namespace godobject::test_transmission {
@@ -84,6 +85,7 @@ struct Broken {
   const char* says;
   void (*break_it)(TransmissionParams&);
 };
+void PrintTo(const Broken& one, std::ostream* out) { *out << one.says; }
 
 class TransmissionErrors : public testing::TestWithParam<Broken> {};
 
@@ -99,7 +101,7 @@ const Broken broken[] = {
     {"no joint 'wrist'", [](TransmissionParams& t) { t.joints[1] = "wrist"; }},
     {"'roll' is named twice", [](TransmissionParams& t) { t.joints[1] = "roll"; }},
     {"must have 4 rows of 4 numbers", [](TransmissionParams& t) { t.joint_per_actuator.pop_back(); }},
-    {"must have 4 rows of 4 numbers", [](TransmissionParams& t) { t.joint_per_actuator[2].push_back(1); }},
+    {"rows of 4 numbers", [](TransmissionParams& t) { t.joint_per_actuator[2].push_back(1); }},
     {"must be finite",
      [](TransmissionParams& t) { t.joint_per_actuator[0][0] = std::numeric_limits<double>::infinity(); }},
     {"is singular",
@@ -107,7 +109,7 @@ const Broken broken[] = {
        t.joint_per_actuator[3] = {0, 0, 1, 1};
        t.joint_per_actuator[2] = {0, 0, 2, 2};
      }},
-    {"is singular", [](TransmissionParams& t) { t.joint_per_actuator[0][0] = 0; }},
+    {"singular: some motion", [](TransmissionParams& t) { t.joint_per_actuator[0][0] = 0; }},
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, TransmissionErrors, testing::ValuesIn(broken));
