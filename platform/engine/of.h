@@ -121,8 +121,7 @@ Params<S> params_of(const SceneConfig& scene) {
     const bool imposed = scene.coupling == CouplingMode::imposed && body.coupling;
     par.bodies[i].coupling =
         imposed ? rigid_spring(par.bodies[i].body, par.h) : body.coupling.value_or(SpringParams{});
-    const bool shows = scene.device && shows_force(scene.device->kind);
-    par.bodies[i].feedback = {.gains = shows ? body.feedback.value_or(SpringParams{}) : SpringParams{},
+    par.bodies[i].feedback = {.gains = displayed_gains(scene, body),
                               .max_force = limits.force,
                               .max_torque = limits.torque,
                               .max_force_rate = limits.force_rate,

@@ -302,6 +302,16 @@ constexpr bool shows_force(DeviceKind kind) noexcept {
   return kind == DeviceKind::impedance || kind == DeviceKind::relative;
 }
 
+/// Returns the gains of the wrench (8) that the device displays of a body; zero if it displays no force. A
+/// display ratio scales the force as it scales the target's shift: the work of the hand is the tool's.
+inline SpringParams displayed_gains(const SceneConfig& scene, const BodyConfig& body) {
+  if (!body.feedback || !scene.device || !shows_force(scene.device->kind)) return {};
+  SpringParams gains = *body.feedback;
+  gains.k *= scene.device->display_ratio;
+  gains.g *= scene.device->display_ratio;
+  return gains;
+}
+
 /// Returns the index in motion_targets() of a tracker's tool.
 inline std::size_t driven_by_tool(const SceneConfig& scene, const TrackedToolParams& tool) {
   if (grips_bodies(scene)) return 0;

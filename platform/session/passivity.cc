@@ -58,6 +58,10 @@ SpringParams shown_at(const SceneConfig& scene, const HandleParams& handle) {
     most.k_r = std::max(most.k_r, body.feedback->k_r);
     most.g_r = std::max(most.g_r, body.feedback->g_r);
   }
+  // both the target's shift and the force are scaled
+  const double scale = scene.device->display_ratio * scene.device->display_ratio;
+  most.k *= scale;
+  most.g *= scale;
   return most;
 }
 

@@ -61,10 +61,6 @@ void Session::step(CycleRecord& record) noexcept {
 void Session::limit(CycleRecord& record) noexcept {
   if (grip_) record.hand_W = grip_->feel(samples_[driven_.front()], *engine_, record.limited);
   for (const std::size_t body : driven_) F_hand_W_[body] = grip_ ? record.hand_W : engine_->feedback(body);
-  // The hand's work is that of the target, whose motion is scaled.
-  const double ratio = scene_.device ? scene_.device->display_ratio : 1;
-  if (ratio != 1)
-    for (const std::size_t body : driven_) F_hand_W_[body].f *= ratio;
 }
 
 /// Commands the devices to display the wrenches, and watches these for oscillation between their bounds.

@@ -1,7 +1,11 @@
 // Control to display ratio of a relative device: the target's way and the displayed force are scaled alike.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
+
 #include "platform/scene/toml.h"
+#include "platform/session/passivity.h"
 #include "platform/simulated/session.h"
 #include "tests/support/tool_scene.h"
 
@@ -34,10 +38,17 @@ TEST(DisplayRatio, ScalesTheWayOfTheTargetAndTheForceOfTheHand) {
     while (record.t < 2.5) {
       made.session->cycle(record);
       farthest = farthest.cwiseMax((record.bodies[0].target.X_WD.p - start).cwiseAbs());
-      const Wrench& F = record.bodies[0].feedback_D;
-      EXPECT_LT((listener.F_W.f - display_ratio * F.f).norm(), 1e-12);
-      EXPECT_LT((listener.F_W.tau - F.tau).norm(), 1e-12);
-      largest = std::max(largest, F.f.norm());
+      const BodyView& peg = record.bodies[0];
+      EXPECT_LT((listener.F_W.f - peg.feedback_D.f).norm(), 1e-12);
+      EXPECT_LT((listener.F_W.tau - peg.feedback_D.tau).norm(), 1e-12);
+      constexpr std::array bounds{Limited::ramp, Limited::force, Limited::force_rate};
+      if (std::ranges::any_of(bounds, [&](Limited bound) { return has(record.limited, bound); })) continue;
+      // (8), its force scaled as the shift
+      const SpringParams& gains = *scene.bodies[0].feedback;
+      const Vec3 F_W =
+          gains.g * (peg.V_WB.v - peg.target.V_WD.v) + gains.k * (peg.X_WB.p - peg.target.X_WD.p);
+      EXPECT_LT((listener.F_W.f - display_ratio * F_W).norm(), 1e-12);
+      largest = std::max(largest, listener.F_W.f.norm());
     }
     EXPECT_GT(largest, 0.05);
     return farthest;
@@ -45,6 +56,20 @@ TEST(DisplayRatio, ScalesTheWayOfTheTargetAndTheForceOfTheHand) {
   const Vec3 full = way(1), part = way(ratio);
   EXPECT_GT(full.norm(), 0.01);
   EXPECT_LT((part - ratio * full).norm(), 1e-9);
+}
+
+/// The stiffness that a drive feels counts the scaled shift and the scaled force.
+TEST(DisplayRatio, PassivityCountsItTwice) {
+  SceneConfig scene = load_shipped("wall.toml");
+  if (!scene.device->rig || scene.device->rig->drives.empty()) scene = load_shipped("rigid.toml");
+  scene.device->kind = DeviceKind::relative;
+  const JointVector q = joints_at_start(scene, Motion(scene));
+  const auto K = [&](double display_ratio) {
+    scene.device->display_ratio = display_ratio;
+    return passivity(scene, q).joints.front().axis.K;
+  };
+  EXPECT_GT(K(2) - K(1), 1);  // N m/rad or N/m
+  EXPECT_NEAR(K(2) - K(1), 4 * (K(1) - K(0.5)), 1e-9 * K(2));
 }
 
 TEST(DisplayRatio, IsForRelativeDevicesAlone) {
