@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/device/cues.h"
 #include "core/nonblocking.h"
 #include "hal/rig/rig.h"
 #include "platform/engine/engine.h"
@@ -23,7 +24,8 @@ struct PoseError {
 };
 
 inline PoseError between(const Pose& a, const Pose& b) noexcept {
-  return {.m = (a.p - b.p).norm(), .rad = rotation_error(a.q, b.q, Vec3::Zero()).phi_B.norm()};
+  const Divergence apart = divergence(b, a);
+  return {.m = apart.distance, .rad = apart.angle};
 }
 inline PoseError worst(const PoseError& a, const PoseError& b) noexcept {
   return {.m = std::max(a.m, b.m), .rad = std::max(a.rad, b.rad)};
