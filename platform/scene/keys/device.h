@@ -304,7 +304,7 @@ void visit_transmissions(V& v, RigNames& names, RigParams& rig) {
                     .meaning = "matrix M, a row for each of its joints; torques of actuators are M^T tau",
                     .required = true},
                 m.joint_per_actuator);
-        if (!t.understood("joints") || !t.understood("joint_per_actuator")) return;
+        if (m.joints.empty() || m.joint_per_actuator.empty()) return;  // reported by their keys
         for (const std::string& error : validate(std::span(&m, 1), rig.tree.joints))
           t.check(false, "", error);
       });
