@@ -30,6 +30,7 @@
 #include "tests/support/background_program.h"
 #include "tests/support/free_port.h"
 #include "tests/support/program.h"
+#include "tests/support/tracker_thread.h"
 
 namespace godobject::test::test_openigtlink_on_loopback {
 namespace {
@@ -89,18 +90,6 @@ std::unique_ptr<TrackerThread> start(const std::string& port) {
   params.port = port;
   params.tools.push_back({.body = "tool", .tool = "probe", .X_TH = {}});
   return std::make_unique<TrackerThread>(make_tracker(params, {}).tracker);
-}
-
-/// Reads until the condition holds; returns false after 20 s.
-bool read_until(TrackerThread& thread, TrackerReport& report, const std::function<bool()>& condition) {
-  const MonotonicClock clock;
-  const Nanoseconds end = clock.now() + 20'000'000'000;
-  while (clock.now() < end) {
-    static_cast<void>(thread.try_read(report, 0));
-    if (condition()) return true;
-    clock.sleep_until(clock.now() + 1'000'000);
-  }
-  return false;
 }
 
 TEST(OpenIgtLinkThread, AServerThatIsGoneIsConnectedAgain) {

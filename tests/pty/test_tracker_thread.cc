@@ -6,12 +6,13 @@
 #include <pty.h>
 #include <unistd.h>
 
-#include <functional>
-
 #include "hal/base/crc16.h"
+#include "tests/support/tracker_thread.h"
 
 namespace godobject::test_tracker_thread {
 namespace {
+
+using test::read_until;
 
 /// The far end of a pseudo-terminal with a scripted tracker: a wired tool that is always visible.
 class FarEnd {
@@ -92,18 +93,6 @@ std::unique_ptr<TrackerThread> start(const std::string& path) {
   params.port = path;
   params.tools.push_back({.body = "tool", .tool = "0A", .X_TH = {}});
   return std::make_unique<TrackerThread>(make_tracker(params, {}).tracker);
-}
-
-/// Reads until the condition holds; returns false after 20 s.
-bool read_until(TrackerThread& thread, TrackerReport& report, const std::function<bool()>& condition) {
-  const MonotonicClock clock;
-  const Nanoseconds end = clock.now() + 20'000'000'000;
-  while (clock.now() < end) {
-    static_cast<void>(thread.try_read(report, 0));
-    if (condition()) return true;
-    clock.sleep_until(clock.now() + 1'000'000);
-  }
-  return false;
 }
 
 TEST(TrackerThread, PosesComeOverAPseudoTerminal) {

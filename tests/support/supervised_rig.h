@@ -1,6 +1,8 @@
 // A rig on a scripted device, the events of rig, drive and link, and the promises that hold in every cycle.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <limits>
@@ -213,5 +215,14 @@ class SupervisedRig {
   bool requested_ = false;  // arm() was called, and armed not left since
   int cycles_not_armed_ = 0, cycles_at_once_ = 0, cycles_without_pose_ = 0, cycles_sent_ = 0;
 };
+
+inline void cycles(SupervisedRig& world, int count) {
+  for (int i = 0; i < count; ++i) world.apply(RigTrial::cycle);
+}
+
+inline void boot_and_arm(SupervisedRig& world) {
+  for (const RigTrial event : {RigTrial::start, RigTrial::wait, RigTrial::arm}) world.apply(event);
+  ASSERT_EQ(world.rig.state(), RigState::armed) << world.rig.fault_text();
+}
 
 }  // namespace godobject::test

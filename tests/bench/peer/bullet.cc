@@ -9,15 +9,12 @@
 
 #include <stdexcept>
 
+#include "tests/bench/peer/bullet_types.h"
 #include "tests/bench/peer/implicit_force.h"
 #include "tests/bench/peer/peer.h"
 
 namespace godobject::bench {
 namespace {
-
-btVector3 vector(const oracle::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
-oracle::Vector3d vector(const btVector3& a) { return {a.x(), a.y(), a.z()}; }
-btQuaternion quaternion(const oracle::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 struct MultiBodyWorld {
   btDefaultCollisionConfiguration configuration;
@@ -61,14 +58,7 @@ class BulletBase final : public Peer {
     in_.world.stepSimulation(h_, 0);
   }
 
-  oracle::RigidState pose(std::size_t) const override {
-    const btTransform X = base_.getBaseWorldTransform();
-    const btQuaternion q = X.getRotation();
-    oracle::RigidState x;
-    x.p = vector(X.getOrigin());
-    x.q = {q.w(), q.x(), q.y(), q.z()};
-    return x;
-  }
+  oracle::RigidState pose(std::size_t) const override { return state_of(base_.getBaseWorldTransform()); }
 
  private:
   const oracle::Body& body_;
@@ -116,12 +106,7 @@ class BulletChain final : public Peer {
 
   oracle::RigidState pose(std::size_t i) const override {
     if (i == 0) chain_.forwardKinematics(rotations_, origins_);
-    const btTransform& X = chain_.getLink(static_cast<int>(i)).m_cachedWorldTransform;
-    const btQuaternion q = X.getRotation();
-    oracle::RigidState x;
-    x.p = vector(X.getOrigin());
-    x.q = {q.w(), q.x(), q.y(), q.z()};
-    return x;
+    return state_of(chain_.getLink(static_cast<int>(i)).m_cachedWorldTransform);
   }
 
  private:

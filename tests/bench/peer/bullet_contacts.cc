@@ -3,17 +3,14 @@
 #define BT_USE_DOUBLE_PRECISION
 #include <btBulletDynamicsCommon.h>
 
+#include "tests/bench/peer/bullet_types.h"
 #include "tests/bench/peer/implicit_force.h"
 #include "tests/bench/peer/native_peers.h"
 
 namespace godobject::bench {
 namespace {
 
-btVector3 vector(const oracle::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
-oracle::Vector3d vector(const btVector3& a) { return {a.x(), a.y(), a.z()}; }
-btTransform transform(const oracle::RigidState& x) {
-  return btTransform(btQuaternion(x.q.x(), x.q.y(), x.q.z(), x.q.w()), vector(x.p));
-}
+btTransform transform(const oracle::RigidState& x) { return btTransform(quaternion(x.q), vector(x.p)); }
 
 /// Shape of all bodies for contacts.
 class BulletShape {
@@ -99,16 +96,7 @@ class BulletContacts final : public ContactPeer {
     world_->step();
   }
 
-  oracle::RigidState pose(std::size_t i) const override {
-    const btRigidBody& body = world_->body(i);
-    const btQuaternion q = body.getOrientation();
-    oracle::RigidState x;
-    x.p = vector(body.getCenterOfMassPosition());
-    x.q = {q.w(), q.x(), q.y(), q.z()};
-    x.v = vector(body.getLinearVelocity());
-    x.w = vector(body.getAngularVelocity());
-    return x;
-  }
+  oracle::RigidState pose(std::size_t i) const override { return state_of(world_->body(i)); }
   std::size_t num_contacts() const override { return world_->num_contacts(); }
 
  private:

@@ -6,15 +6,12 @@
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "tests/bench/peer/bullet_types.h"
 #include "tests/bench/peer/implicit_force.h"
 #include "tests/bench/peer/peer.h"
 
 namespace godobject::bench {
 namespace {
-
-btVector3 vector(const oracle::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
-oracle::Vector3d vector(const btVector3& a) { return {a.x(), a.y(), a.z()}; }
-btQuaternion quaternion(const oracle::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 /// Returns the axes of a joint's frame: its free turns are x of a hinge, x and y of a universal joint, z of a
 /// cylindrical one.
@@ -75,16 +72,7 @@ class BulletRigid final : public Peer {
     world_->stepSimulation(h_, 0);
   }
 
-  oracle::RigidState pose(std::size_t i) const override {
-    const btRigidBody& body = *bodies_[i];
-    const btQuaternion q = body.getOrientation();
-    oracle::RigidState x;
-    x.p = vector(body.getCenterOfMassPosition());
-    x.q = {q.w(), q.x(), q.y(), q.z()};
-    x.v = vector(body.getLinearVelocity());
-    x.w = vector(body.getAngularVelocity());
-    return x;
-  }
+  oracle::RigidState pose(std::size_t i) const override { return state_of(*bodies_[i]); }
 
  private:
   void clear() {

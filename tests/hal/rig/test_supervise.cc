@@ -6,18 +6,11 @@
 namespace godobject::test_supervise {
 namespace {
 
+using test::boot_and_arm;
+using test::cycles;
 using test::ms;
 using test::RigTrial;
 using test::SupervisedRig;
-
-void cycles(SupervisedRig& world, int count) {
-  for (int i = 0; i < count; ++i) world.apply(RigTrial::cycle);
-}
-
-void boot_and_arm(SupervisedRig& world) {
-  for (const RigTrial event : {RigTrial::start, RigTrial::wait, RigTrial::arm}) world.apply(event);
-  ASSERT_EQ(world.rig.state(), RigState::armed) << world.rig.fault_text();
-}
 
 TEST(Supervise, StartsANodeAgainAfter250Ms) {
   RigParams params = test::params_of_rig();

@@ -122,14 +122,9 @@ PeerPile pile_of(const bench::PressedPeer& peer, const bench::ContactScene& scen
   bool failed = false;
   const bench::ContactQuality quality = quality_of(peer, scene, clock, failed);
   const bool is_short = peer.longest < scene.duration;
-  return {.engine =
-              peer.engine + (is_short ? " (first " + std::to_string(std::lround(peer.longest)) + " s)" : ""),
-          .overlap = failed ? infinite : quality.overlap,
-          .median = failed ? infinite : quality.overlap_median,
-          .us_per_step = {},
-          .p99_us = {},
-          .native_us = clock.median_us(),
-          .native_p99_us = clock.p99_us()};
+  return pile_row(
+      peer.engine + (is_short ? " (first " + std::to_string(std::lround(peer.longest)) + " s)" : ""), quality,
+      clock, failed);
 }
 
 PeerNet net_of(const bench::HangingPeer& peer) {

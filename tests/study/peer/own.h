@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/contact_quality.h"
 #include "tests/study/peer/study.h"
 #include "tests/study/peer/timed.h"
 
@@ -15,6 +16,9 @@ std::vector<PeerError> own_errors(const std::vector<ReferenceScene>& scenes, boo
                                   const Progress& progress);
 Runs<PeerContact> own_contacts(const std::vector<double>& stiffnesses);
 PeerPile own_pile();
+/// Returns the row of a native pile.
+PeerPile pile_row(const std::string& engine, const bench::ContactQuality& quality, const StepClock& clock,
+                  bool failed);
 PeerNet own_net();
 std::vector<PeerStability> own_stability(const std::vector<double>& stiffnesses,
                                          const std::vector<double>& steps, double duration);

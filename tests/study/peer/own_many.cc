@@ -10,6 +10,18 @@
 
 namespace godobject::study {
 
+PeerPile pile_row(const std::string& engine, const bench::ContactQuality& quality, const StepClock& clock,
+                  bool failed) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  return {.engine = engine,
+          .overlap = failed ? infinite : quality.overlap,
+          .median = failed ? infinite : quality.overlap_median,
+          .us_per_step = {},
+          .p99_us = {},
+          .native_us = clock.median_us(),
+          .native_p99_us = clock.p99_us()};
+}
+
 PeerPile own_pile() {
   using S = Bricks<ImplicitEuler, 64>;
   constexpr double h = 1e-3;
@@ -27,14 +39,7 @@ PeerPile own_pile() {
       now.bodies.push_back(oracle_state(run->body(i)));
     return now;
   });
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  return {.engine = ImplicitEuler::name,
-          .overlap = failed ? infinite : quality.overlap,
-          .median = failed ? infinite : quality.overlap_median,
-          .us_per_step = {},
-          .p99_us = {},
-          .native_us = clock.median_us(),
-          .native_p99_us = clock.p99_us()};
+  return pile_row(ImplicitEuler::name, quality, clock, failed);
 }
 
 PeerNet own_net() {
