@@ -20,6 +20,7 @@
 
 #include "hal/rig/bus_load.h"
 #include "platform/cli/fault_texts.h"
+#include "platform/python/dict.h"
 #include "platform/rig/buses.h"
 #include "platform/session/record.h"
 #include "platform/simulated/session.h"
@@ -464,6 +465,8 @@ PYBIND11_MODULE(_core, module) {
       raise(refused);
     }
   });
+  module.def("toml_of_dict", &toml_of_dict, py::arg("scene"), py::arg("file"), py::arg("plain"));
+  module.def("keys_of_dict", &keys_of_dict, py::arg("scene"), py::arg("file"), py::arg("plain"));
   py::class_<PySession> type(module, "Session");
   type.def(py::init<const std::string&, const std::optional<std::string>&, const std::string&, bool>(),
            py::arg("path"), py::arg("text"), py::arg("bus"), py::arg("raises_faults"))

@@ -3,6 +3,7 @@ import pickle
 import signal
 import threading
 import tomllib
+import types
 
 import numpy as np
 import pytest
@@ -109,6 +110,43 @@ def test_values_of_numpy_and_odd_texts(wall):
     wall["body"][0]["mass"] = np.float64(0.25)
     wall["scene"]["about"] = 'line\n"quoted" \\ \x7f \x01 ä'
     Scene.from_dict(wall)
+
+
+def test_every_kind_of_mapping_and_number(wall):
+    body = wall["body"][0]
+    body["mass"], body["position"] = np.float32(0.25), [np.int64(0), np.float64(-0.04), 0]
+    wall["scene"] = types.MappingProxyType(wall["scene"])
+    wall["body"] = (types.MappingProxyType(body),)
+    scene = Scene.from_dict(types.MappingProxyType(wall))
+    assert scene.positions[0].tolist() == [0, -0.04, 0]
+    body["pins"] = np.bool_(True)
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict(wall)
+    assert caught.value.key == "body[0].pins"
+
+
+@pytest.mark.parametrize("key", ["two words", 'a"b', "ä.b", "\U0001f600", "", "line\nbreak"])
+def test_odd_keys_are_named(wall, key):
+    wall["body"][0][key] = 1.5
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict(wall)
+    assert caught.value.key == "body[0]." + key and "unknown key" in caught.value.message
+
+
+def test_keys_and_values_that_no_scene_has(wall):
+    body = wall["body"][0]
+    for value, message in (({3: 1}, "the key 3 is not a str"), ([1.0, {"a": 1}], "a dict, which scenes do not have"),
+                           ([None], "None"), (1j, "a complex"), (np.array([1j]), "a complex")):
+        body["mass"] = value
+        with pytest.raises(SceneError, match=message) as caught:
+            Scene.from_dict(wall)
+        assert caught.value.key == "body[0].mass"
+    body["mass"] = body
+    with pytest.raises(RecursionError):
+        Scene.from_dict(wall)
+    body["mass"] = "\ud800"
+    with pytest.raises(UnicodeEncodeError):
+        Scene.from_dict(wall)
 
 
 def test_advice_is_a_warning(wall):

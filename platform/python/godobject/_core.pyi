@@ -1,8 +1,12 @@
 """The compiled module. Use godobject.Scene."""
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+def toml_of_dict(scene: dict[str, Any], file: str, plain: Callable[[Any], Any]) -> str: ...
+def keys_of_dict(scene: dict[str, Any], file: str, plain: Callable[[Any], Any]) -> list[str]: ...
 
 class Session:
     def __init__(self, path: str, text: str | None, bus: str, raises_faults: bool) -> None: ...

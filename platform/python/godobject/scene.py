@@ -2,6 +2,7 @@
 import dataclasses
 import io
 import os
+import pathlib
 import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -9,11 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._toml import toml_of
 from .errors import MotionError, Problem, SceneError, SceneWarning
 
 try:
-    from ._core import Session
+    from ._core import Session, keys_of_dict, toml_of_dict
 except ImportError as error:
     raise ImportError("godobject has no compiled module: install pybind11-dev, python3-dev and python3-numpy, build "
                       "(./dev build release), and run the Python that it was built for; put the build directory's "
@@ -113,12 +113,17 @@ class Scene(Session):
         godobject.errors.SceneError: body[0].mass: 'mass' is -1, out of range: ...
         """
         name = os.path.join(os.fspath(folder), "<dict>")
-        text, keys = toml_of(scene, name)
+        parts = dict(scene)
         try:
-            made = cls(name, bus=bus, on_fault=on_fault, _text=text)
+            made = cls(name, bus=bus, on_fault=on_fault, _text=toml_of_dict(parts, name, _plain))
         except SceneError as error:
+            if error.key is not None:
+                raise
+            keys = keys_of_dict(parts, name, _plain)
             raise SceneError([_with_key(problem, keys) for problem in error.problems]) from None
-        _warn(_with_key(Problem(*warning), keys) for warning in made._warnings)
+        if made._warnings:
+            keys = keys_of_dict(parts, name, _plain)
+            _warn(_with_key(Problem(*warning), keys) for warning in made._warnings)
         return made
 
     def reset(self, motion: str | os.PathLike[str] | ArrayLike | None = None) -> None:
@@ -176,6 +181,15 @@ class Scene(Session):
 
     def __repr__(self) -> str:
         return f"<Scene {self.name}: {len(self.bodies)} bodies, t = {self.t:g} s>"
+
+
+def _plain(value: Any) -> Any:
+    """Returns arrays, paths and mappings as values of Python's own types, and others as they are."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, pathlib.PurePath):
+        return str(value)
+    return dict(value) if isinstance(value, Mapping) else value
 
 
 def _with_key(problem: Problem, keys: list[str]) -> Problem:
