@@ -1,5 +1,6 @@
 // MuJoCo as the slow world of a run: a block on a spring, held by the tool, at 60 Hz over the run's shared memory.
-// usage: node mujoco_world.mjs PACKAGES NAME SECONDS; prints the block's place and its largest push as JSON.
+// usage: node mujoco_world.mjs PACKAGES NAME SECONDS; prints `ready`, then as JSON
+// the block's place, its largest push and the longest period.
 import { closeSync, existsSync, openSync, readSync, writeSync } from 'node:fs';
 import { crc32 } from './crc32.mjs';
 import { importFrom } from '../bench/wasm/packages.mjs';
@@ -18,6 +19,7 @@ const data = new mujoco.MjData(model);
 
 const path = '/dev/shm/' + name, now = () => Number(process.hrtime.bigint()) * 1e-9;
 const sleep = (s) => new Promise((done) => setTimeout(done, Math.max(0, 1000 * s)));
+console.log('ready');
 for (const end = now() + 20; !existsSync(path);) {
   if (now() > end) throw new Error('no run has made ' + path);
   await sleep(0.05);
@@ -35,7 +37,7 @@ function readTool() {
   return null;
 }
 
-let number = 0n, taken = 0, largest = 0;
+let number = 0n, taken = 0, largest = 0, longest = 0;
 function writePlane(answers, t, x, v, moved) {
   const b = Buffer.alloc(worldSize + 8);
   b.writeUInt32LE(0x314e4957, 0);
@@ -65,10 +67,11 @@ for (let due = now(), end = due + Number(seconds), last = 0; due < end; due += 1
     if (tool.readUInt32LE(planesOfTool + 56 * i) === id) J = tool.readDoubleLE(planesOfTool + 56 * i + 32);
   data.qfrc_applied[0] = (J - taken) / dt;
   largest = Math.max(largest, (J - taken) / dt);
+  longest = Math.max(longest, dt);
   [taken, last] = [J, t];
   const before = data.qpos[0];
   for (let i = Math.round(dt / (1 / rate / substeps)); i > 0; --i) mujoco.mj_step(model, data);
   writePlane(tool.readBigUInt64LE(0), t, 0.035 + data.qpos[0], data.qvel[0], data.qpos[0] - before);
 }
-console.log(JSON.stringify({ x: data.qpos[0], push: largest, packets: Number(number) }));
+console.log(JSON.stringify({ x: data.qpos[0], push: largest, longest_s: longest, packets: Number(number) }));
 closeSync(file);

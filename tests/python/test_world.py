@@ -31,10 +31,12 @@ phase = [-1.5707963267948966, 0.0, 0.0]
 """
         (folder / "peg.toml").write_text(head + rest.replace("position = [0.0, 0.0, 0.0]\n\n[[body.shape]]",
                                                              "position = [-0.04, 0.0, 0.0]\n\n[[body.shape]]"))
-        self.name, self.folder = "godobject-test-" + uuid.uuid4().hex, folder
+        self.name, self.folder, self.program = "godobject-test-" + uuid.uuid4().hex, folder, None
+
+    def start(self):
         self.program = subprocess.Popen(
             [os.environ["GODOBJECT_PROGRAM"], "run", "peg.toml", "--world", self.name, "--duration", "4", "--trace",
-             "t.csv", "--report", "report.json"], cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+             "t.csv", "--report", "report.json"], cwd=self.folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def end(self):
         """Waits for the end of the run, and returns its lines and the report of its world."""
@@ -45,13 +47,19 @@ phase = [-1.5707963267948966, 0.0, 0.0]
 
 
 @pytest.fixture
-def run(tmp_path):
+def run_later(tmp_path):
     run = Run(tmp_path)
     yield run
-    if run.program.poll() is None:
+    if run.program and run.program.poll() is None:
         run.program.kill()
         run.program.communicate()
         Path("/dev/shm", run.name).unlink(missing_ok=True)
+
+
+@pytest.fixture
+def run(run_later):
+    run_later.start()
+    return run_later
 
 
 def wall(x=0.035):
@@ -83,7 +91,9 @@ def test_absurd_bytes_and_a_killed_world(run):
         while (tool := world.wait(100)) is not None and tool.t_run_s < 2:
             world.write([wall()], valid_s=1.0)
         world.write([Plane(1, p_m=(float("nan"), 0, 0), n=(-1, 0, 0))])
-        time.sleep(0.02)
+        number = world.read().number
+        while world.is_running and world.read().number < number + 2:  # until a whole step has seen it
+            time.sleep(0.001)
         with open("/dev/shm/" + run.name, "r+b") as file:  # a torn packet: its CRC is wrong
             file.seek(WORLD_AT - 8)
             sequence = struct.unpack("<Q", file.read(8))[0]
@@ -122,18 +132,24 @@ def test_wrong_options_are_refused(tmp_path, options, message):
     assert done.returncode != 0 and message in done.stderr
 
 
-def test_mujoco_as_the_slow_world(run):
+def test_mujoco_as_the_slow_world(run_later):
     if not shutil.which("node") or not (PACKAGES / "node_modules/@mujoco/mujoco").is_dir():
         pytest.skip("no node, or no MuJoCo: ./dev study --peers fetches it")
-    done = subprocess.run(["node", str(SOURCE / "tests/python/mujoco_world.mjs"), str(PACKAGES), run.name, "3.6"],
-                          capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    block = json.loads(done.stdout)
-    _, report = run.end()
+    for _ in range(5):
+        world = subprocess.Popen(["node", str(SOURCE / "tests/python/mujoco_world.mjs"), str(PACKAGES), run_later.name,
+                                  "3.6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert world.stdout.readline() == "ready\n", world.communicate()  # before the run, whose hand moves
+        run_later.start()
+        printed, errors = world.communicate(timeout=60)
+        assert world.returncode == 0, errors
+        _, report = run_later.end()
+        block = json.loads(printed)
+        if block["longest_s"] < 0.1:
+            break  # else MuJoCo got no processor for a while: again
     assert report["malformed"] == 0 and report["packets"] > 100
     # At 2.5 s the hand is 20 mm beyond the touch. Springs in series: coupling, four corners, the block's.
     force = 0.020 / (1 / 500 + 1 / 4000 + 1 / 400)
-    trace = read_trace(run.folder / "t.csv")
+    trace = read_trace(run_later.folder / "t.csv")
     pulled = 500 * (0.04 - trace.positions("peg")[(trace.t > 2.4) & (trace.t < 2.6), 0].mean())
     assert abs(pulled / force - 1) < 0.05
     assert abs(block["push"] / force - 1) < 0.2 and block["packets"] > 100  # the largest of single periods
