@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "platform/rt/setup.h"
+#include "tests/study/feel/command.h"
 #include "tests/study/map/command.h"
 #include "tests/study/study.h"
 
@@ -68,7 +69,9 @@ int run(int argc, char** argv) {
   StudyArguments arguments;
   CLI::App app("Measure error against run time, stability, footprint, joints, contacts and nets.",
                "godobject-study");
-  app.footer("Drawn scenes over all parameters: godobject-study stability-map --help");
+  app.footer(
+      "Drawn scenes over all parameters: godobject-study stability-map --help\n"
+      "Impedance that a hand feels: godobject-study feel --help");
   app.add_option("PART", arguments.part,
                  "error, stability, footprint, joints, contacts, nets or all (default)")
       ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "nets", "all"}));
@@ -88,6 +91,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc > 1 && std::string(argv[1]) == "feel") return godobject::study::run_feel_command(argc, argv);
     if (argc > 1 && std::string(argv[1]) == "stability-map")
       return godobject::study::run_map_command(argc, argv);
     return godobject::run(argc, argv);
