@@ -88,7 +88,11 @@ TEST_F(ReplayedRun, TheRecordOfAReplayIsReplayedToo) {
       replay(scene, "can0=replay:" + path("run.log") + " --bus can1=replay:" + path("run.log") + ",can1",
              "--record " + path("again.log"));
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  const ProgramResult again = replay(scene, "replay:" + path("again.log"), "--realtime");
+  ProgramResult again;
+  // A busy machine makes the run miss deadlines, which hold the pose: tried again.
+  for (int attempt = 0;
+       attempt < 10 && again.output.find("missed deadlines           0 (") == std::string::npos; ++attempt)
+    again = replay(scene, "replay:" + path("again.log"), "--realtime");
   EXPECT_THAT(again.output, HasSubstr("600 cycles")) << again.output;
   expect_the_same(1e-4);
 }
