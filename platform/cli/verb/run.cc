@@ -121,7 +121,7 @@ ExitCode run(RunOptions options) {
     return ExitCode::not_available;
   }
   std::optional<Nanoseconds> wall_origin_ns;
-  if (session.bus() == BusChoice::real) wall_origin_ns = log_origin_ns();
+  if (session.bus() == BusChoice::real && !prepared.log) wall_origin_ns = log_origin_ns();
   options.files.scene = options.scene;
   RunFiles files(options.files, session.scene(), wall_origin_ns.value_or(0));
   const std::optional<RunResult> result =

@@ -1,7 +1,9 @@
 // A rig that replays the record of a run: the same cycles, the same poses, no fault.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
@@ -15,6 +17,10 @@ using testing::HasSubstr;
 struct Trace {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
+
+  double at(std::size_t row, const std::string& name) const {
+    return rows[row][static_cast<std::size_t>(std::ranges::find(names, name) - names.begin())];
+  }
 };
 
 /// Reads the numbers of a trace; other cells are 0.
@@ -95,6 +101,25 @@ TEST_F(ReplayedRun, TheRecordOfAReplayIsReplayedToo) {
     again = replay(scene, "replay:" + path("again.log"), "--realtime");
   EXPECT_THAT(again.output, HasSubstr("600 cycles")) << again.output;
   expect_the_same(1e-4);
+}
+
+/// The clock of a replay is that of its log, whenever it is replayed.
+TEST_F(ReplayedRun, TimesAreThoseOfTheLog) {
+  const std::string scene = "sim/scenes/rigid.toml";
+  ASSERT_EQ(record(scene, "").exit_code, 0);
+  const ProgramResult result = replay(scene, "replay:" + path("run.log"),
+                                      "--record " + path("again.log") + " --report " + path("r.json"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const Trace first = read_trace(path("first.csv")), second = read_trace(path("second.csv"));
+  ASSERT_THAT(first.names, testing::Contains("t_bus"));
+  EXPECT_LT(difference(first, second, "t_bus"), 1e-4);
+  const auto last_time = [](const std::string& log) {
+    return std::stod(log.substr(log.rfind("\n(", log.size() - 2) + 2));
+  };
+  EXPECT_NEAR(last_time(read_file(path("again.log"))), last_time(read_file(path("run.log"))), 0.1);
+  const nlohmann::json report = nlohmann::json::parse(read_file(path("r.json")));
+  EXPECT_TRUE(report["motion_start_wall_s"].is_null());
+  EXPECT_NEAR(report["motion_start_on_bus_s"].get<double>(), second.at(0, "t_bus"), 1e-4);
 }
 
 /// The record of a killed program ends anywhere.
