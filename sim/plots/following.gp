@@ -24,7 +24,7 @@ set rmargin 20
 set format x ""
 set multiplot layout 3,1 title "following: ".what noenhanced
 set ylabel "position (m)"
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      trace using (column("t")):(of_target("x")) with lines lw 3 lc rgb "#f4b6a6" title "target x", \
      trace using (column("t")):(of_target("y")) with lines lw 3 lc rgb "#b7dcb0" title "target y", \
      trace using (column("t")):(of_target("z")) with lines lw 3 lc rgb "#b0c8ea" title "target z", \
@@ -33,11 +33,11 @@ plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0"
      trace using (column("t")):(of_tool("z")) with lines lc rgb "#1f4e9c" title "tool z"
 set ylabel "distance to target (mm)"
 set yrange [0:1e-6 < *]  # the distance may be zero throughout
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      trace using (column("t")):(1e3 * distance(0)) with lines lc rgb "#333333" notitle
 set ylabel "rotation to target (deg)"
 set xlabel "t (s)"
 set format x "%g"
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      trace using (column("t")):(180 / pi * angle(0)) with lines lc rgb "#333333" notitle
 unset multiplot

@@ -18,7 +18,7 @@ set rmargin 20
 set format x ""
 set multiplot layout 2,1 title "shown to the hand: ".what noenhanced
 set ylabel "force (N)"
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      trace using (column("t")):(length(shown("fx"), shown("fy"), shown("fz"))) with lines lw 3 lc rgb "#cccccc" title "magnitude", \
      trace using (column("t")):(shown("fx")) with lines lc rgb "#c0392b" title "x", \
      trace using (column("t")):(shown("fy")) with lines lc rgb "#2e7d32" title "y", \
@@ -27,7 +27,7 @@ set ylabel "torque (N m)"
 set offsets 0, 0, 1e-6, 1e-6  # a scene may display no torque
 set xlabel "t (s)"
 set format x "%g"
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      trace using (column("t")):(length(shown("tx"), shown("ty"), shown("tz"))) with lines lw 3 lc rgb "#cccccc" title "magnitude", \
      trace using (column("t")):(shown("tx")) with lines lc rgb "#c0392b" title "x", \
      trace using (column("t")):(shown("ty")) with lines lc rgb "#2e7d32" title "y", \

@@ -17,11 +17,11 @@ set format x ""
 set multiplot layout 2,1 title "joints"
 set ylabel "force (N)"
 set yrange [0:1e-9 < *]  # rounding errors are not enlarged
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      for [joint in body] trace using (column("t")):(length(joint, "f")) with lines lw 2 title joint noenhanced
 set ylabel "torque (N m)"
 set xlabel "t (s)"
 set format x "%g"
-plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "no sample", \
+plot trace using (column("t")):(gap(0)) axes x1y2 with impulses lc rgb "#ffe0b0" title "held", \
      for [joint in body] trace using (column("t")):(length(joint, "t")) with lines lw 2 title joint noenhanced
 unset multiplot
