@@ -74,23 +74,28 @@ std::string LogLink::read_file(const std::string& path, std::span<const LogSourc
   return "";
 }
 
-/// Finds the interface of each bus that is in this log.
+/// Finds the interface of each bus that is in this log. Refuses a log without one of them, unless it has
+/// none and none was named.
 std::string LogLink::choose(const std::string& path, std::span<const LogSource> sources,
                             const std::vector<std::string>& names,
                             std::vector<std::size_t>& bus_of_name) const {
+  std::string missing;
+  bool is_of_scene = false;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if (sources[i].path != path) continue;
     const std::string& wanted = sources[i].interface.empty() ? rig_.buses[i].name : sources[i].interface;
     auto name = std::ranges::find(names, wanted);
     const bool only_one = sources[i].interface.empty() && names.size() == 1 && rig_.buses.size() == 1;
     if (name == names.end() && only_one) name = names.begin();
-    if (name != names.end()) {
-      bus_of_name[static_cast<std::size_t>(name - names.begin())] = i;
-    } else if (!sources[i].interface.empty()) {
-      return path + ": holds no frame of " + wanted;
+    if (name == names.end()) {
+      missing += (missing.empty() ? "" : ", ") + wanted;
+      is_of_scene = is_of_scene || !sources[i].interface.empty();
+      continue;
     }
+    bus_of_name[static_cast<std::size_t>(name - names.begin())] = i;
+    is_of_scene = true;
   }
-  return "";
+  return is_of_scene && !missing.empty() ? path + ": holds no frame of " + missing : "";
 }
 
 void LogLink::add(std::size_t bus, const ReceivedFrame& frame) {

@@ -196,6 +196,8 @@ TEST_F(LogOfARig, ComplaintsNameTheFileAndTheLine) {
   EXPECT_THAT(link.read(sources(2)), HasSubstr("run.log:2: no line of a log"));
   write("run.log", "(1.000000) vcan9 080#\n");
   EXPECT_THAT(link.read(sources(2)), HasSubstr("holds no frame"));
+  write("run.log", "(1.000000) can0 080#\n(1.000100) can0 701#05\n");
+  EXPECT_THAT(LogLink(params, period).read(sources(2)), HasSubstr("run.log: holds no frame of can1"));
   EXPECT_THAT(link.read(std::vector<LogSource>(2, {.path = path("none.log"), .interface = ""})),
               HasSubstr("cannot"));
   EXPECT_THAT(link.read(std::vector<LogSource>(2, {.path = path("run.log"), .interface = "can5"})),
