@@ -92,28 +92,45 @@ template <class S> concept NetIsAMassSpringNet = !uses<NetOf<S>> || requires {
 };
 
 // Rejects likely misspellings of optional parts as members of S, but not as names of S itself or of its
-// bases.
+// bases: a letter left out, doubled or exchanged with the next, other cases, and related words.
 #define GODOBJECT_NO_MEMBER(name) (!requires { requires !std::is_base_of_v<typename S::name, S>; })
 template <class S>
-concept ContactsAreNotMisspelt = GODOBJECT_NO_MEMBER(Contact) && GODOBJECT_NO_MEMBER(contacts) &&
-    GODOBJECT_NO_MEMBER(contact) && GODOBJECT_NO_MEMBER(Contacs) && GODOBJECT_NO_MEMBER(Contats) &&
-    GODOBJECT_NO_MEMBER(Contcts) && GODOBJECT_NO_MEMBER(Conacts) && GODOBJECT_NO_MEMBER(Cotacts) &&
-    GODOBJECT_NO_MEMBER(Cntacts) && GODOBJECT_NO_MEMBER(Contatcs) && GODOBJECT_NO_MEMBER(Contcats) &&
-    GODOBJECT_NO_MEMBER(Conatcts) && GODOBJECT_NO_MEMBER(Contacst) && GODOBJECT_NO_MEMBER(Contakts) &&
-    GODOBJECT_NO_MEMBER(Conntacts) && GODOBJECT_NO_MEMBER(Contactss) && GODOBJECT_NO_MEMBER(Collisions) &&
-    GODOBJECT_NO_MEMBER(ContactList);
+concept ContactsAreNotMisspelt = GODOBJECT_NO_MEMBER(ontacts) && GODOBJECT_NO_MEMBER(Cntacts) &&
+    GODOBJECT_NO_MEMBER(Cotacts) && GODOBJECT_NO_MEMBER(Conacts) && GODOBJECT_NO_MEMBER(Contcts) &&
+    GODOBJECT_NO_MEMBER(Contats) && GODOBJECT_NO_MEMBER(Contacs) && GODOBJECT_NO_MEMBER(Contact) &&
+    GODOBJECT_NO_MEMBER(CContacts) && GODOBJECT_NO_MEMBER(Coontacts) && GODOBJECT_NO_MEMBER(Conntacts) &&
+    GODOBJECT_NO_MEMBER(Conttacts) && GODOBJECT_NO_MEMBER(Contaacts) && GODOBJECT_NO_MEMBER(Contaccts) &&
+    GODOBJECT_NO_MEMBER(Contactts) && GODOBJECT_NO_MEMBER(Contactss) && GODOBJECT_NO_MEMBER(oCntacts) &&
+    GODOBJECT_NO_MEMBER(Cnotacts) && GODOBJECT_NO_MEMBER(Cotnacts) && GODOBJECT_NO_MEMBER(Conatcts) &&
+    GODOBJECT_NO_MEMBER(Contcats) && GODOBJECT_NO_MEMBER(Contatcs) && GODOBJECT_NO_MEMBER(Contacst) &&
+    GODOBJECT_NO_MEMBER(contacts) && GODOBJECT_NO_MEMBER(CONTACTS) && GODOBJECT_NO_MEMBER(Contacts_) &&
+    GODOBJECT_NO_MEMBER(contact) && GODOBJECT_NO_MEMBER(Contact_) && GODOBJECT_NO_MEMBER(Contract) &&
+    GODOBJECT_NO_MEMBER(Contracts) && GODOBJECT_NO_MEMBER(Contakts) && GODOBJECT_NO_MEMBER(Collision) &&
+    GODOBJECT_NO_MEMBER(Collisions) && GODOBJECT_NO_MEMBER(ContactList) &&
+    GODOBJECT_NO_MEMBER(FixedContact) && GODOBJECT_NO_MEMBER(BodyContact);
 template <class S>
-concept NodesAreNotMisspelt = GODOBJECT_NO_MEMBER(Node) && GODOBJECT_NO_MEMBER(nodes) &&
-    GODOBJECT_NO_MEMBER(node) && GODOBJECT_NO_MEMBER(Nods) && GODOBJECT_NO_MEMBER(Noes) &&
-    GODOBJECT_NO_MEMBER(Noeds) && GODOBJECT_NO_MEMBER(Ndoes) && GODOBJECT_NO_MEMBER(Nodess) &&
-    GODOBJECT_NO_MEMBER(Particles);
+concept NodesAreNotMisspelt = GODOBJECT_NO_MEMBER(odes) && GODOBJECT_NO_MEMBER(Ndes) &&
+    GODOBJECT_NO_MEMBER(Noes) && GODOBJECT_NO_MEMBER(Nods) && GODOBJECT_NO_MEMBER(Node) &&
+    GODOBJECT_NO_MEMBER(NNodes) && GODOBJECT_NO_MEMBER(Noodes) && GODOBJECT_NO_MEMBER(Noddes) &&
+    GODOBJECT_NO_MEMBER(Nodees) && GODOBJECT_NO_MEMBER(Nodess) && GODOBJECT_NO_MEMBER(oNdes) &&
+    GODOBJECT_NO_MEMBER(Ndoes) && GODOBJECT_NO_MEMBER(Noeds) && GODOBJECT_NO_MEMBER(Nodse) &&
+    GODOBJECT_NO_MEMBER(nodes) && GODOBJECT_NO_MEMBER(NODES) && GODOBJECT_NO_MEMBER(Nodes_) &&
+    GODOBJECT_NO_MEMBER(node) && GODOBJECT_NO_MEMBER(Particle) && GODOBJECT_NO_MEMBER(Particles) &&
+    GODOBJECT_NO_MEMBER(NodesList);
 template <class S>
-concept TermsAreNotMisspelt = GODOBJECT_NO_MEMBER(Term) && GODOBJECT_NO_MEMBER(terms) &&
-    GODOBJECT_NO_MEMBER(term) && GODOBJECT_NO_MEMBER(Tems) && GODOBJECT_NO_MEMBER(Trems) &&
-    GODOBJECT_NO_MEMBER(Tersm) && GODOBJECT_NO_MEMBER(Termss) && GODOBJECT_NO_MEMBER(Springs);
+concept TermsAreNotMisspelt = GODOBJECT_NO_MEMBER(erms) && GODOBJECT_NO_MEMBER(Trms) &&
+    GODOBJECT_NO_MEMBER(Tems) && GODOBJECT_NO_MEMBER(Ters) && GODOBJECT_NO_MEMBER(Term) &&
+    GODOBJECT_NO_MEMBER(TTerms) && GODOBJECT_NO_MEMBER(Teerms) && GODOBJECT_NO_MEMBER(Terrms) &&
+    GODOBJECT_NO_MEMBER(Termms) && GODOBJECT_NO_MEMBER(Termss) && GODOBJECT_NO_MEMBER(eTrms) &&
+    GODOBJECT_NO_MEMBER(Trems) && GODOBJECT_NO_MEMBER(Temrs) && GODOBJECT_NO_MEMBER(Tersm) &&
+    GODOBJECT_NO_MEMBER(terms) && GODOBJECT_NO_MEMBER(TERMS) && GODOBJECT_NO_MEMBER(Terms_) &&
+    GODOBJECT_NO_MEMBER(term) && GODOBJECT_NO_MEMBER(Spring) && GODOBJECT_NO_MEMBER(Springs);
 template <class S>
-concept NetIsNotMisspelt = GODOBJECT_NO_MEMBER(Nets) && GODOBJECT_NO_MEMBER(net) &&
-    GODOBJECT_NO_MEMBER(nets) && GODOBJECT_NO_MEMBER(Nett) && GODOBJECT_NO_MEMBER(Mesh);
+concept NetIsNotMisspelt = GODOBJECT_NO_MEMBER(et) && GODOBJECT_NO_MEMBER(Nt) && GODOBJECT_NO_MEMBER(Ne) &&
+    GODOBJECT_NO_MEMBER(NNet) && GODOBJECT_NO_MEMBER(Neet) && GODOBJECT_NO_MEMBER(Nett) &&
+    GODOBJECT_NO_MEMBER(eNt) && GODOBJECT_NO_MEMBER(Nte) && GODOBJECT_NO_MEMBER(net) &&
+    GODOBJECT_NO_MEMBER(NET) && GODOBJECT_NO_MEMBER(Net_) && GODOBJECT_NO_MEMBER(Nets) &&
+    GODOBJECT_NO_MEMBER(nets) && GODOBJECT_NO_MEMBER(Mesh);
 #undef GODOBJECT_NO_MEMBER
 template <class S>
 concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
