@@ -1,4 +1,4 @@
-// Must compile: each of these scenes would lack a part in silence, and is refused.
+// Must compile: each of these scenes would lack the misspelt part, and is refused.
 #include "core/godobject.h"
 
 using namespace godobject;
