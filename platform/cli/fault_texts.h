@@ -90,8 +90,11 @@ inline constexpr std::array<FaultText, 11> run_fault_texts{{
     {"force_oscillates", "without a rig: the displayed force swung between its bounds for 0.5 s",
      "lower the feedback's damping and stiffness, or raise the limit that it reaches"},
     {"held",
-     "on a device: deadlines were missed; the pose was held and the force faded for more than 5 % of the run",
-     "end other programs on this machine, and check the real-time set-up; see docs/running.md"},
+     "on a device: deadlines were missed, or samples of the rig; the pose was held and the force faded for "
+     "more "
+     "than 5 % of the run",
+     "after missed deadlines: end other programs on this machine, and check the real-time set-up, see "
+     "docs/running.md; for want of samples: check bus load and cables"},
     {"seal_broken", "with --seal: the loop made a system call that it must not make; the torque was cut",
      "report the call that is named; without --seal it is made"},
 }};

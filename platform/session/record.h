@@ -157,6 +157,11 @@ bool drives_limited(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
   return record.drives.*drives != 0;
 }
 
+/// True if the pose was held: the loop was on hold, or a sample was missing without a fault of the rig.
+inline bool is_held(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
+  return record.on_hold || (has(record.limited, Limited::held) && !any(record.rig_faults));
+}
+
 /// List of all limits: statistics, report, summary and view take names, order and remedies from here.
 inline constexpr std::array run_limits{
     RunLimit{"force", core_limited<Limited::force>,

@@ -31,9 +31,7 @@ def test_promise_is_kept(promise, rig, scene):
         zero_after_s = play(words, promise, times, rig)
         assert run.stop() is not None, "godobject run did not end by itself"
         rig.recover()
-        names = run.faults()
-        if run.missed_deadlines():
-            names -= {"held"}  # a busy machine holds a run for more than 5 % of its time; the played fault does not
+        names = run.faults() - {"held"}  # a busy machine, or the first of the fault, is 5 % of so short a run
         in_time = not always or zero_after_s <= zero_within(words, promise, times)
         as_promised = always <= names <= always | promise.maybe
         if as_promised and in_time:

@@ -155,7 +155,7 @@ StatusLine::StatusLine(BackgroundFile& console, bool quiet) noexcept
 void StatusLine::update(const CycleRecord& record, Nanoseconds wake_ns) {
   worst_wake_us_ = std::max(worst_wake_us_, 1e-3 * static_cast<double>(wake_ns));
   ++cycles_;
-  if (record.on_hold) ++held_;
+  if (is_held(record)) ++held_;
   if (record.on_hold != on_hold_) print_hold(record);
   constexpr double rounding = 1e-9;
   if (quiet_ || record.t < due_s_ - rounding) return;

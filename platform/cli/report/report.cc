@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cinttypes>
 #include <cstdio>
 #include <sstream>
 
@@ -57,18 +58,22 @@ void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultRe
   }
 }
 
-/// Adds the fault `held` if the loop missed too many deadlines, with the slowness of the buses.
+/// Adds the fault `held` if the pose was held for too long, with its causes and the slowness of the buses.
 void add_held(const RunReport& report, std::vector<FaultReport>& faults) {
   const RunStatistics& statistics = report.result.statistics;
-  const auto held = static_cast<double>(statistics.hold_cycles),
-             cycles = static_cast<double>(statistics.cycles);
+  // Faults of the rig, themselves reported, begin with missing samples; a tracker's tool may be hidden.
+  const bool counts_samples = report.session.rig() != nullptr && !any(statistics.rig_faults);
+  const std::uint64_t held_cycles = counts_samples ? statistics.held_cycles : statistics.hold_cycles;
+  const auto held = static_cast<double>(held_cycles), cycles = static_cast<double>(statistics.cycles);
   if (held <= RunStatistics::max_held * cycles) return;
-  std::array<char, 96> share{};
-  std::snprintf(share.data(), share.size(), "%.0f of %.0f cycles (%.1f %%): ", held, cycles,
-                100 * held / cycles);
+  std::array<char, 160> share{};
+  std::snprintf(
+      share.data(), share.size(),
+      "%.0f of %.0f cycles (%.1f %%), %" PRIu64 " after missed deadlines, %" PRIu64 " for want of a sample: ",
+      held, cycles, 100 * held / cycles, statistics.hold_cycles, held_cycles - statistics.hold_cycles);
   FaultReport fault{.name = std::string(text_of(RunFault::held).name),
                     .text = share.data() + line_of(text_of(RunFault::held)),
-                    .cycles = statistics.hold_cycles};
+                    .cycles = held_cycles};
   for (const BusReport& bus : report.buses)
     if (!bus.slowness.empty()) fault.text += "; bus " + bus.computed.bus + ": " + bus.slowness;
   faults.push_back(std::move(fault));

@@ -139,6 +139,7 @@ struct RunStatistics {
   std::array<std::uint64_t, core_fault_texts.size()> fault_cycles{};  // in the order of core_fault_texts
   RigFault rig_faults = RigFault::none;
   std::uint64_t holds = 0, hold_cycles = 0;  // holds after too many missed deadlines
+  std::uint64_t held_cycles = 0;             // those, and cycles without a sample
   bool on_hold = false;
   bool force_oscillates = false;
   NetStatistics nets;
@@ -171,6 +172,7 @@ struct RunStatistics {
     rig_faults = rig_faults | record.rig_faults;
     if (record.on_hold && !on_hold) ++holds;
     if (record.on_hold) ++hold_cycles;
+    if (is_held(record)) ++held_cycles;
     on_hold = record.on_hold;
     if (record.energy.gained > gain_floor &&
         record.energy.gained * gain.at_work >= gain.gained * record.energy.at_work)

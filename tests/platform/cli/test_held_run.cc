@@ -38,7 +38,7 @@ RunResult held(std::uint64_t cycles, std::uint64_t of) {
   RunResult result;
   result.ready = true;
   result.statistics.cycles = of;
-  result.statistics.hold_cycles = cycles;
+  result.statistics.hold_cycles = result.statistics.held_cycles = cycles;
   result.statistics.holds = 1;
   return result;
 }
@@ -72,6 +72,30 @@ TEST(HeldRun, MoreThanFivePercentIsAFault) {
   }
 }
 
+/// Faults of the rig, which are reported anyway, begin with missing samples.
+TEST(HeldRun, MissingSamplesCountUnlessTheRigHasAFault) {
+  const SceneConfig scene = rigid();
+  const PreparedRun run = on_a_device(scene);
+  RunResult result;
+  result.ready = true;
+  CycleRecord record = run.session->at_start();
+  for (int i = 0; i < 1000; ++i) {
+    record.limited = i % 10 == 0 ? Limited::held : Limited::none;
+    result.statistics.add(record);
+  }
+  const RunOptions options;
+  const auto is_held = Contains(Field(&FaultReport::name, "held"));
+  const std::vector<FaultReport> faults = make_report(options, run, result, {}).faults;
+  ASSERT_THAT(faults, is_held);
+  EXPECT_THAT(faults,
+              Contains(Field(&FaultReport::text, HasSubstr("100 of 1000 cycles (10.0 %), 0 after missed "
+                                                           "deadlines, 100 for want of a sample"))));
+  record.rig_faults = RigFault::sample_stale;
+  result.statistics.add(record);
+  EXPECT_EQ(result.statistics.held_cycles, 100u);
+  EXPECT_THAT(make_report(options, run, result, {}).faults, Not(is_held));
+}
+
 TEST(HeldRun, WhatTheKernelKeptIsInTheSummary) {
   const SceneConfig scene = rigid();
   const PreparedRun run = on_a_device(scene);
@@ -95,7 +119,8 @@ TEST(HeldRun, TheStatusLineHasTheShare) {
     CycleRecord record = run.session->at_start();
     for (int i = 1; i <= 4000; ++i) {
       record.t = 1e-3 * i;
-      record.on_hold = i > 2000 && i <= 2500;
+      record.on_hold = i > 2000 && i <= 2250;
+      record.limited = i > 2250 && i <= 2500 ? Limited::held : Limited::none;
       line.update(record, 0);
     }
     static_cast<void>(console.close(BackgroundFile::Clock::now() + std::chrono::seconds(2)));
