@@ -47,8 +47,9 @@ std::string not_found(const std::string& name, const std::string& scene_folder) 
   const std::vector<std::string> shipped = shipped_profiles();
   std::string known;
   for (const std::string& other : shipped) known += (known.empty() ? "" : ", ") + other;
-  return "profile \"" + name + "\" was found neither in '" + scene_folder +
-         "' nor among the shipped profiles: " + known + "; the nearest is \"" + nearest(name, shipped) + "\"";
+  return "profile \"" + name +
+         "\" was found neither in the scene's folder nor among the shipped profiles: " + known +
+         "; the nearest is \"" + nearest(name, shipped) + "\"";
 }
 
 }  // namespace

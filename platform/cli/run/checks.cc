@@ -122,12 +122,16 @@ std::string make_folders(const RunOptions& options) {
   return "";
 }
 
-void check_view(const RunOptions& options, std::vector<std::string>& errors) {
+void check_view(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
   if (!options.view) {
     if (options.view_input) errors.push_back("--view-input: requires --view: add it");
     return;
   }
   if (!options.view_input) return;
+  const bool is_coupled =
+      std::ranges::any_of(scene.bodies, [](const auto& body) { return bool(body.coupling); });
+  if (!is_coupled && !page_moves_joints(scene))
+    errors.push_back("--view-input: scene '" + scene.name + "' has no coupled body: add a [body.coupling]");
   if (options.fast) errors.push_back("--view-input: requires wall time: remove --fast");
   if (!options.motion.empty())
     errors.push_back("--view-input: the page's pointer replaces --motion: remove either");

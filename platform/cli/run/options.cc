@@ -187,7 +187,7 @@ PreparedRun prepare(const RunOptions& options) {
   SceneConfig& scene = *loaded.scene;
   RigOfFile of_file{.is_valid = is_rig_valid(scene)};
   if (has_rig(scene)) of_file.loads = loads_of(scene);
-  check_view(options, run.errors);
+  check_view(options, scene, run.errors);
   check_spacemouse(options, scene, run);
   check_socket_device(options, scene, run.errors);
   check_world(options, scene, run.errors);

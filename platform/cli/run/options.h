@@ -96,7 +96,7 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors);
 std::string make_folders(const RunOptions& options);
 
 /// Checks the options that depend on --view.
-void check_view(const RunOptions& options, std::vector<std::string>& errors);
+void check_view(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors);
 
 /// Checks that the scene has the buses, contacts and nets that the options record.
 void check_recorded(const RunOptions& options, BusChoice choice, const SceneConfig& scene,

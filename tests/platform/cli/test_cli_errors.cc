@@ -194,6 +194,17 @@ TEST_F(CliErrors, AMissingProfileIsReportedWithItsLine) {
   const ProgramResult result = run_program("check " + file);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, HasSubstr(file + ":" + std::to_string(line) + ": drive of joint "));
+  EXPECT_THAT(result.output,
+              HasSubstr("was found neither in the scene's folder nor among the shipped profiles"));
+}
+
+TEST_F(CliErrors, APointerNeedsACoupledBody) {
+  for (const std::string scene : {"admittance", "chain", "four-bar", "pendulum"}) {
+    const ProgramResult result =
+        run_program("run sim/scenes/" + scene + ".toml --view --view-input --duration 0.05");
+    EXPECT_EQ(result.exit_code, 2) << scene;
+    EXPECT_THAT(result.output, HasSubstr("--view-input: scene '" + scene + "' has no coupled body"));
+  }
 }
 
 /// fixed, ball: neither has a named coordinate.
