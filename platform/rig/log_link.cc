@@ -33,8 +33,7 @@ std::string LogLink::read(std::span<const LogSource> sources) {
   for (const std::unique_ptr<LoggedBus>& bus : buses_) bus->end_at(end_);
   const auto first = std::ranges::min_element(buses_, {}, [](const auto& bus) { return bus->next(); });
   if ((*first)->next() == end_of_time)
-    return paths.front() +
-           ": holds no frame of the scene's buses: is it of another scene? Give its file with --scene";
+    return paths.front() + ": holds no frame of the scene's buses: give the scene of the recorded run";
   now_ = (begins_.empty() ? (*first)->next() : begins_.front()) - period_;
   for (const std::unique_ptr<LoggedBus>& bus : buses_) bus->skip_to(now_);
   return "";

@@ -145,7 +145,8 @@ TEST_F(ReplayedRun, UnsuitableLogsAreReported) {
   const std::string log = write("other.log", "(1.000000) vcan7 080#\n(1.001000) vcan7 181#0000\n");
   ProgramResult result = replay(scene, "replay:" + log);
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("holds no frame of the scene's buses"));
+  EXPECT_THAT(result.output,
+              HasSubstr("holds no frame of the scene's buses: give the scene of the recorded run"));
   result = replay(scene, "can0=replay:" + log + ",can3 --bus can1=replay:" + log);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, HasSubstr("holds no frame of can3"));
