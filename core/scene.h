@@ -92,7 +92,7 @@ template <class S> concept NetIsAMassSpringNet = !uses<NetOf<S>> || requires {
 };
 
 // Rejects likely misspellings of optional parts as members of S, but not as names of S itself or of its
-// bases: a letter left out, doubled or exchanged with the next, other cases, and related words.
+// bases. Misspelt: a letter left out, doubled or exchanged with the next, another case, a related word.
 #define GODOBJECT_NO_MEMBER(name) (!requires { requires !std::is_base_of_v<typename S::name, S>; })
 template <class S>
 concept ContactsAreNotMisspelt = GODOBJECT_NO_MEMBER(ontacts) && GODOBJECT_NO_MEMBER(Cntacts) &&
