@@ -41,8 +41,8 @@ def run(full, without, scene):
 
 
 def was_starved(report):
-    """True if the run has made cycles and ended by missed deadlines: the machine left it without its processor."""
-    return (report is not None and report["cycles"] > 0 and report["timing"]["missed_deadlines"] > 0 and
+    """True if the run has made cycles and was held: the machine left it, or the simulator, without a processor."""
+    return (report is not None and report["cycles"] > 0 and
             bool({"held", "deadlines_missed"} & {fault["name"] for fault in report["faults"]}))
 
 
