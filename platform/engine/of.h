@@ -240,6 +240,13 @@ class EngineOf final : public Engine {
         x_.bodies[*body_named(scene, joint.child)].joint.last.q = coordinates_at_start(scene.bodies, joint);
     }
     start_turns(par_, x_);
+    if constexpr (counts_turns<S>) {
+      for (const JointConfig& joint : scene.joints) {
+        // the key `start` selects the turn; the places of the bodies give the angle, rounded as in each step
+        auto& q = x_.bodies[*body_named(scene, joint.child)].joint.q;
+        q = unwrapped(q, coordinates_at_start(scene.bodies, joint), num_axes(joint.kind).turns);
+      }
+    }
     if constexpr (uses<NetOf<S>>) place_net(par_.net, x_);
     balance_.start(par_, x_);
   }

@@ -95,7 +95,9 @@ class JointCoordinatesOf {
   explicit JointCoordinatesOf(const SceneConfig& scene);
 
   /// Number of coordinates of all joints: see num_coordinates().
-  std::size_t size() const noexcept { return size_; }
+  std::size_t size() const noexcept { return at_start_.size(); }
+  /// Coordinates of all joints at the start, as coordinates_at_start().
+  const std::vector<double>& at_start() const noexcept { return at_start_; }
   /// Writes the coordinates of all joints. Angles are unwrapped: within half a turn of the previous ones.
   /// Real-time.
   /// bodies: all bodies of the scene. q: size() numbers; on entry the previous coordinates.
@@ -107,7 +109,7 @@ class JointCoordinatesOf {
     std::size_t child = 0;
   };
   std::vector<Joint> joints_;
-  std::size_t size_ = 0;
+  std::vector<double> at_start_;
 };
 
 /// Bodies that follow the device in a period.

@@ -213,7 +213,7 @@ CycleRecord Session::at_start() const {
   CycleRecord record;
   record.bodies.resize(scene_.bodies.size());
   record.targets.resize(std::min(motion_.num_bodies(), driven_.size()));
-  record.joint_q.resize(joint_coordinates_.size());
+  record.joint_q = joint_coordinates_.at_start();
   record.term_forces.resize(term_names(scene_).size());
   if (scene_.device && scene_.device->rig) {
     record.device_q.resize(scene_.device->rig->tree.joints.size());
@@ -263,7 +263,8 @@ JointCoordinatesOf::JointCoordinatesOf(const SceneConfig& scene) {
   for (const JointConfig& joint : scene.joints) {
     joints_.push_back(
         {.params = joint_params(scene.bodies, joint), .child = body_named(scene, joint.child).value()});
-    size_ += num_coordinates(joint.kind);
+    const JointCoordinates q = coordinates_at_start(scene.bodies, joint);
+    at_start_.insert(at_start_.end(), q.begin(), q.begin() + num_coordinates(joint.kind));
   }
 }
 

@@ -70,8 +70,8 @@ void close_gaps(std::span<BodyConfig> bodies, std::span<const JointConfig> joint
 /// Places the children of joints with coordinates `start`, if they have no place of their own, and the bodies
 /// joined to them. bodies: parents first.
 void place_children(std::span<BodyConfig> bodies, std::span<const JointConfig> joints);
-/// Returns the coordinates of the joint at the start, in the turn between its stops; zero for a kind without
-/// coordinates.
+/// Returns the coordinates of the joint at the start, in the turn of its key `start`, else between its stops.
+/// Zero for a kind without coordinates.
 JointCoordinates coordinates_at_start(std::span<const BodyConfig> bodies, const JointConfig& joint);
 
 /// Motions that joints, closing joints and rigid gears leave to the bodies at their places, to first order.

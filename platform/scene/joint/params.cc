@@ -101,12 +101,13 @@ JointCoordinates coordinates_at_start(std::span<const BodyConfig> bodies, const 
     using Kind = decltype(kind);
     if constexpr (requires { Kind::coordinates(X); }) q = Kind::coordinates(X);
   });
-  for (const StopConfig& stop : joint.stops)
-    for (std::size_t c = 0; c < joint.coordinates.size(); ++c)
-      if (joint.coordinates[c] == stop.coordinate && is_turn(joint.kind, c)) {
-        Real& angle = q[static_cast<Eigen::Index>(c)];
-        angle = start_coordinate(stop.params, angle);
-      }
+  for (std::size_t c = 0; c < joint.coordinates.size(); ++c) {
+    if (!is_turn(joint.kind, c)) continue;
+    Real& angle = q[static_cast<Eigen::Index>(c)];
+    const auto stop = std::ranges::find(joint.stops, joint.coordinates[c], &StopConfig::coordinate);
+    if (joint.start[c]) angle = unwrapped(angle, *joint.start[c]);
+    else if (stop != joint.stops.end()) angle = start_coordinate(stop->params, angle);
+  }
   return q;
 }
 

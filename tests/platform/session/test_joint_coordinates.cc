@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <sstream>
 
 #include "platform/scene/joint/joints.h"
+#include "tests/platform/session/attacked.h"
 
 namespace godobject::test_joint_coordinates {
 namespace {
@@ -69,6 +71,55 @@ TEST(JointCoordinates, CountTheirTurns) {
           ASSERT_NEAR(read[k], q[k], 1e-9) << static_cast<int>(kind) << " " << k << " " << i;
       }
     }
+  }
+}
+
+/// A wheel that turns freely from a coordinate `start` towards stops at +-`end`.
+std::string wheel(double start, double end, double rate, const char* kind, const char* more = "") {
+  std::ostringstream text;
+  text.precision(17);
+  text << "[scene]\nname = 'a'\n[[body]]\nname = 'wheel'\nmass = 0.2\ninertia = [0.01, 0.01, 0.01]\n"
+       << "angular_velocity = [" << (std::string(kind) == "universal" ? rate : 0) << ", 0.0, "
+       << (std::string(kind) == "universal" ? 0 : rate) << "]\n[[joint]]\nname = 'j'\nkind = '" << kind
+       << "'\nchild = 'wheel'\ncoordinates = [" << (std::string(kind) == "hinge" ? "'q'" : "'q', 'other'")
+       << "]\nstart = " << start << "\n[[joint.stop]]\ncoordinate = 'q'\nlower = " << -end
+       << "\nupper = " << end << "\nstiffness = 1e3\nwidth = 0.02\n"
+       << more;
+  return text.str();
+}
+
+/// Starts beyond half a turn, in one of several turns that the stops allow.
+TEST(JointCoordinates, AreCountedFromTheScenesStart) {
+  for (const char* kind : {"hinge", "cylindrical", "universal"})
+    for (const char* integrator : {"implicit-euler", "tr-bdf2"})
+      for (const double start : {5.0, -4.0, 3.2, 13.0, -0.5})
+        for (const double rate : {6.0, -9.0}) {
+          SCOPED_TRACE(testing::Message() << kind << ' ' << integrator << ' ' << start << ' ' << rate);
+          const double end = 15, way = (rate > 0 ? end - start : end + start) / std::abs(rate);
+          const LoadResult loaded = parse_scene(wheel(start, end, rate, kind), "a.toml");
+          ASSERT_TRUE(loaded.scene) << loaded.errors.front();
+          SceneConfig scene = *loaded.scene;
+          scene.integrator = integrator;
+          EXPECT_NEAR(coordinates_at_start(scene.bodies, scene.joints[0])[0], start, 1e-14);
+          double farthest = 0, turned = 0;
+          attacked(scene, Motion(scene), way + 0.1, [&](const CycleRecord& r) {
+            if (r.t < way - 2 * scene.step) EXPECT_NEAR(r.joint_q[0], start + rate * r.t, 1e-9);
+            if (std::abs(r.joint_q[0]) > farthest) turned = r.t;
+            farthest = std::max(farthest, std::abs(r.joint_q[0]));
+          });
+          EXPECT_GT(farthest, end);
+          EXPECT_LT(farthest, end + 0.02 + std::abs(rate) * (std::sqrt(0.01 / 1e3) + scene.step));
+          EXPECT_NEAR(turned, way, 0.02);
+        }
+}
+
+TEST(JointCoordinates, ASpringPullsToItsRestInItsTurn) {
+  for (const double start : {7.0, 6.0}) {
+    const LoadResult loaded = parse_scene(
+        wheel(start, 20, 0, "hinge", "[[joint.spring]]\nstiffness = 1.0\nrest = 7.0\n"), "a.toml");
+    ASSERT_TRUE(loaded.scene) << loaded.errors.front();
+    attacked(*loaded.scene, Motion(*loaded.scene), 1,
+             [&](const CycleRecord& r) { ASSERT_LT(std::abs(r.joint_q[0] - 7), 7 - start + 1e-9) << r.t; });
   }
 }
 
