@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/shape/faces.h"
+#include "core/shape/points.h"
 #include "platform/scene/contact/params.h"
 #include "platform/scene/keys/joint.h"
 
@@ -184,28 +185,59 @@ std::vector<SpheresAlone> spheres_alone(const SceneConfig& scene) {
   return all;
 }
 
-BuriedSpheres buried_spheres(const SceneConfig& scene) {
+namespace {
+
+/// Calls f(p_S, r) for the largest balls in a shape at its centre and in its corners and ends. p_S: centre of
+/// a ball in the shape's frame, m.
+template <class F>
+void each_ball_in(const ShapeParams& shape, F f) {
+  const double r = half_thickness(shape);
+  f(Vec3(Vec3::Zero()), r);
+  if (shape.kind == ShapeKind::capsule)
+    for (const double z : {-shape.half_length, shape.half_length}) f(Vec3(0, 0, z), r);
+  if (shape.kind != ShapeKind::box) return;
+  for (int j = 0; j < 8; ++j) {
+    const Vec3 side((j & 1) != 0 ? 1 : -1, (j & 2) != 0 ? 1 : -1, (j & 4) != 0 ? 1 : -1);
+    f(side.cwiseProduct(Vec3(shape.half_extents - Vec3::Constant(r))), r);
+  }
+}
+
+}  // namespace
+
+BuriedSolids buried_solids(const SceneConfig& scene) {
   const SceneContacts contacts = scene_contacts(scene);
   const std::vector<std::size_t> tools = tools_of(scene);
   constexpr double anywhere = std::numeric_limits<double>::infinity();
   std::vector<ShapeParams> shapes;
   for (const Surface& surface : contacts.surfaces) shapes.push_back(in_world(surface, scene));
-  BuriedSpheres buried;
-  for (const BodySphere& sphere : contacts.spheres) {
-    const BodyConfig& body = scene.bodies[sphere.body];
-    const Vec3 p_W = body.X_WB.p + body.X_WB.q * sphere.p_B;
+  BuriedSolids buried;
+  // true if the centre of a ball of this body is inside a solid
+  const auto is_buried = [&](std::size_t body, const char* what, const Vec3& p_W, double radius) {
     double deepest = 0;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const std::size_t other = contacts.surfaces[s].body;
-      if (other != world && tools[other] == tools[sphere.body]) continue;
+      if (other != world && tools[other] == tools[body]) continue;
       const double distance = nearest(shapes[s], p_W, anywhere).distance;
       if (!(distance < deepest)) continue;
       deepest = distance;
-      if (sphere.radius - distance <= buried.depth) continue;
-      buried.depth = sphere.radius - distance;
-      buried.deepest = "sphere of body '" + body.name + "' in " + contacts.surface_names[s];
+      if (radius - distance <= buried.depth) continue;
+      buried.depth = radius - distance;
+      buried.deepest = what + (" of body '" + scene.bodies[body].name) + "' in " + contacts.surface_names[s];
     }
-    if (deepest < 0) ++buried.num;
+    return deepest < 0;
+  };
+  for (const BodySphere& sphere : contacts.spheres) {
+    const Pose& X_WB = scene.bodies[sphere.body].X_WB;
+    if (is_buried(sphere.body, "sphere", X_WB.p + X_WB.q * sphere.p_B, sphere.radius)) ++buried.num;
+  }
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    const std::size_t body = contacts.surfaces[s].body;
+    if (body == world) continue;
+    bool any = false;
+    each_ball_in(shapes[s], [&](const Vec3& p_S, double r) {
+      any = is_buried(body, "shape", shapes[s].X_WS.p + shapes[s].X_WS.q * p_S, r) || any;
+    });
+    if (any) ++buried.num;
   }
   return buried;
 }

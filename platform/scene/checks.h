@@ -47,13 +47,14 @@ struct SpheresAlone {
 };
 std::vector<SpheresAlone> spheres_alone(const SceneConfig& scene);
 
-/// Spheres whose centres start inside a solid that they can touch.
-struct BuriedSpheres {
+/// Spheres and shapes of bodies that start deep inside a solid that they can touch. The centre of a sphere is
+/// inside, or that of a largest ball in the middle, a corner or an end of a shape.
+struct BuriedSolids {
   std::size_t num = 0;
   std::string deepest;  // "sphere of body 'tool' in obstacle 'wall'"
-  double depth = 0;     // m, from the lowest point of the deepest sphere to the surface
+  double depth = 0;     // m, from the lowest point of the deepest sphere or ball to the surface
 };
-BuriedSpheres buried_spheres(const SceneConfig& scene);
+BuriedSolids buried_solids(const SceneConfig& scene);
 
 // Speeds up to which the contacts of a scene let nothing pass, derived in top_speed.cc.
 

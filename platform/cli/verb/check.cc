@@ -115,13 +115,14 @@ void warn_of_contacts_at_start(const std::string& path, const SceneConfig& scene
         "edges of the mesh\n",
         path.c_str(), one.body.c_str(), one.other.c_str(), more.c_str());
   }
-  const BuriedSpheres buried = buried_spheres(scene);
+  const BuriedSolids buried = buried_solids(scene);
   if (buried.num == 0) return;
   std::fprintf(stderr,
                "warning: %s: %zu %s with the centre inside a solid, the deepest %.3g mm, %s: contacts push "
                "it out slowly through the nearest face; move the body or the solid\n",
-               path.c_str(), buried.num, buried.num == 1 ? "sphere begins" : "spheres begin",
-               1e3 * buried.depth, buried.deepest.c_str());
+               path.c_str(), buried.num,
+               buried.num == 1 ? "sphere or shape begins" : "spheres or shapes begin", 1e3 * buried.depth,
+               buried.deepest.c_str());
 }
 
 void print_passivity(const Passivity& passivity) {

@@ -122,14 +122,14 @@ TEST(SpheresAlone, SpheresThatBeginInASolidAreFound) {
     BodyConfig tool = body_of("tool", 0.1, 1e-5);
     tool.spheres.push_back(sphere_of(0.005));
     SceneConfig scene = scene_of(tool, kind);
-    EXPECT_EQ(buried_spheres(scene).num, 0u);
+    EXPECT_EQ(buried_solids(scene).num, 0u);
     // its highest point is at 0.02 along x in the frame of all but the plane
     const Vec3 out = kind == ShapeKind::plane ? Vec3(0, 0, 0) : Vec3(0.02, 0, 0);
     const Vec3 n = kind == ShapeKind::plane ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
     scene.bodies[0].X_WB.p = out + 0.001 * n;
-    EXPECT_EQ(buried_spheres(scene).num, 0u) << "deep, its centre outside";
+    EXPECT_EQ(buried_solids(scene).num, 0u) << "deep, its centre outside";
     scene.bodies[0].X_WB.p = out - 0.003 * n;
-    const BuriedSpheres buried = buried_spheres(scene);
+    const BuriedSolids buried = buried_solids(scene);
     EXPECT_EQ(buried.num, 1u);
     EXPECT_NEAR(buried.depth, 0.008, 1e-9);
     EXPECT_EQ(buried.deepest, "sphere of body 'tool' in obstacle 'post'");
@@ -148,10 +148,37 @@ TEST(SpheresAlone, SpheresOfATurnedBodyThatBeginInAnotherBodyAreFound) {
         scene.bodies[0].X_WB.p + scene.bodies[0].X_WB.q * p - scene.bodies[1].X_WB.q * Vec3(0, 0, 0.1);
   };
   put(Vec3(0.03, 0, half.z() + 1e-4));
-  EXPECT_EQ(buried_spheres(scene).num, 0u);
+  EXPECT_EQ(buried_solids(scene).num, 0u);
   put(Vec3(0.03, 0, half.z() - 1e-4));
-  EXPECT_EQ(buried_spheres(scene).num, 1u);
-  EXPECT_NEAR(buried_spheres(scene).depth, 0.0041, 1e-9);
+  EXPECT_EQ(buried_solids(scene).num, 1u);
+  EXPECT_NEAR(buried_solids(scene).depth, 0.0041, 1e-9);
+}
+
+TEST(SpheresAlone, ShapesThatBeginInASolidAreFound) {
+  for (const ShapeKind own : {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box})
+    for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box, ShapeKind::plane}) {
+      BodyConfig tool = body_of("tool", 0.1, 1e-5);
+      ShapeConfig shape{.kind = own};
+      if (own == ShapeKind::box) shape.half_extents = Vec3(0.002, 0.003, 0.004);
+      else shape.radius = 0.002;
+      if (own == ShapeKind::capsule) shape.half_length = 0.004;
+      tool.shapes.push_back(shape);
+      SceneConfig scene = scene_of(tool, kind);
+      EXPECT_EQ(buried_solids(scene).num, 0u);
+      // its highest point is at 0.02 along x in the frame of all but the plane
+      const bool is_plane = kind == ShapeKind::plane;
+      const Vec3 n = is_plane ? Vec3(0, 0, 1) : Vec3(1, 0, 0), out = (is_plane ? 0 : 0.02) * n;
+      const double half = !is_plane || own == ShapeKind::sphere ? 0.002
+                          : own == ShapeKind::box               ? 0.004
+                                                                : 0.006;
+      scene.bodies[0].X_WB.p = out + (half - 0.001) * n;
+      EXPECT_EQ(buried_solids(scene).num, 0u) << "touches, with no centre inside";
+      scene.bodies[0].X_WB.p = out - 0.003 * n;
+      const BuriedSolids buried = buried_solids(scene);
+      EXPECT_EQ(buried.num, 1u);
+      EXPECT_GE(buried.depth, 0.003 + 0.99 * half);
+      EXPECT_EQ(buried.deepest, "shape of body 'tool' in obstacle 'post'");
+    }
 }
 
 }  // namespace
