@@ -31,16 +31,18 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
                  const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
-                 [[maybe_unused]] const Vector3<T>& F_W, Real h, Real max_turn, Scratch<S>& w) noexcept {
+                 const Vector3<T>& gyroscopic_B, [[maybe_unused]] const Vector3<T>& F_W, Real h,
+                 Real max_turn, Scratch<S>& w) noexcept {
   const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h, max_turn));
   const Matrix3<T>& R = at.R_WB;
   const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
   const Vector3<T> b_w = R * rotation.b_B;
   const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
   Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
-  Vector3<T> b_s = A_s * w_W;
+  // (34)
+  Vector3<T> b_s = b_w + R * gyroscopic_B;
   if constexpr (has_stages<S>) {
-    if (w.turns.known) b_s -= (A_W - A_s) * (R * w.turns.w_B[g] - w_W);
+    if (w.turns.known) b_s = A_s * w_W - (A_W - A_s) * (R * w.turns.w_B[g] - w_W);
   }
   if constexpr (uses<typename S::Joints>) {
     const GroupIn<S> group(g, num_bodies(par));
@@ -232,7 +234,8 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
       else return RigidBodyStateOf<T>{base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
     };
     if constexpr (uses<ContactsOf<S>>) {
-      load_bodies(par, g, point(), translation, rotation, F_0, h, max_turn, w);
+      const Vector3<T> gyroscopic_B = gyroscopic_impulse<T>(body, base.w_B, rotation.hw_B, h);
+      load_bodies(par, g, point(), translation, rotation, gyroscopic_B, F_0, h, max_turn, w);
     } else if constexpr (uses<typename S::Joints>) {
       load(par, g, point(), translation, rotation, F_0, h, max_turn, w.tree);
     } else {

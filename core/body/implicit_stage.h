@@ -45,6 +45,7 @@ template <class T>
 struct RotationSystemOf {
   Matrix3<T> A_B = Matrix3<T>::Identity();
   Vector3<T> b_B = Vector3<T>::Zero();
+  Vector3<T> hw_B = Vector3<T>::Zero();  // rho h w^ of the gyroscopic term, rad
 };
 using RotationSystem = RotationSystemOf<Real>;
 
@@ -82,13 +83,31 @@ RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const Sp
   const Vector3<T> turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B + h * T_B);
   const Vector3<T> bent = T(h * hk * error.curvature) * phi;
   const T diagonal = h * (spring.g_r + hk) - bent.dot(phi);
-  RotationSystemOf<T> system;
+  RotationSystemOf<T> system{.hw_B = hw};
   Matrix3<T>& A = system.A_B;
   for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw.cross(body.I_B.col(j)) + phi[j] * bent;
   A += skew<T>(-turn);
   A.diagonal().array() += diagonal;
   system.b_B = L + hw.cross(L) + h * (T_B + spring.g_r * w_D_B) + hk * phi;
   return system;
+}
+
+/// Returns the axial vector of the skew part of A.
+template <class T>
+Vector3<T> skew_part(const Matrix3<T>& A) noexcept {
+  return T(Real(0.5)) * Vector3<T>(A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1));
+}
+
+/// Returns the impulse of the skew part of the gyroscopic term (11) at the torque-free motion, body axes.
+/// The impulse does no work on that motion. hw_B: rho h w^, as in implicit_rotation().
+template <class T>
+Vector3<T> gyroscopic_impulse(const RigidBodyParamsOf<T>& body, const Vector3<T>& w_B, const Vector3<T>& hw_B,
+                              Real h) noexcept {
+  const Vector3<T> L = body.I_B * w_B;
+  Matrix3<T> A;
+  for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw_B.cross(body.I_B.col(j));
+  A += skew<T>(-h * L);
+  return -skew_part<T>(A).cross(solve3<T>(A, Vector3<T>(L + hw_B.cross(L))));
 }
 
 }  // namespace godobject

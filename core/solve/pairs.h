@@ -57,9 +57,11 @@ struct WithNet : Contacts {
 };
 
 /// Stage of a body, about its centre of mass, world axes. Its A has a skew part (11), which a symmetric
-/// solver cannot represent. Without contacts the body moves by the whole A; contacts act on that motion.
+/// solver cannot represent. Without contacts or joints the body moves by the whole A. Otherwise the
+/// gyroscopic skew part S acts at the torque-free motion, and those of torques are left out. They do no work
+/// on w+, but would if they acted on a free motion that contacts or joints prevent.
 ///
-///   (34)  A_ww = (A + A^T) / 2,  b_w = A_ww A^-1 b
+///   (34)  A_ww = (A + A^T) / 2,  b_w = b - S w_free
 struct BodyStage {
   Block A_ww;
   Real M = 0;
