@@ -91,9 +91,8 @@ struct TrBdf2 {
     // (13)
     bool still_smooth = smooth && turns_are_small(par, w);
     if constexpr (uses<ContactsOf<S>>) {
-      const bool alike = have_same_active_contacts(x.contacts, w.contacts.memories.after());
-      if (ContactsOf<S>::between_bodies && smooth && !alike) return StepEnd::unsolved;
-      still_smooth = still_smooth && alike;
+      if (smooth && !have_same_active_contacts(x.contacts, w.contacts.memories.after()))
+        return StepEnd::unsolved;
     }
     if constexpr (uses<NetOf<S>>) {
       if (smooth && w.contacts.net.report.majorised) return StepEnd::unsolved;
@@ -130,8 +129,7 @@ struct TrBdf2 {
     end_nodes(par, x, last.h, w);
     add_to_means(par, last.h / h, w);
     if constexpr (uses<ContactsOf<S>>) {
-      if (ContactsOf<S>::between_bodies && smooth && !have_same_active_contacts(w.contacts.memories))
-        return StepEnd::unsolved;
+      if (smooth && !have_same_active_contacts(w.contacts.memories)) return StepEnd::unsolved;
     }
     return still_smooth ? StepEnd::second_order : StepEnd::first_order;
   }
