@@ -9,6 +9,7 @@
 
 #include "core/solve/begin.h"
 #include "core/solve/jointed_bodies.h"
+#include "core/solve/multipliers.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -177,6 +178,8 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
     if (!System::is_coupled && w.system.is_complete) {
       if (newton_iterations > 0) w.system.multiply(x.V_0, x.AV_0);
       solve_complete(w);
+      if constexpr (Contacts::max_terms > 0)
+        if (island.has_terms) converge_multipliers(island, w);
       left = 0;
     } else {
       const bool searches = pass_of<FrictionSearch>(newton_iterations) != Pass::unchanged;

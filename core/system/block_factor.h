@@ -182,18 +182,31 @@ void solve(const System& w, B& b, OfV& V) noexcept {
   }
 }
 
-/// Factors and solves V = A^-1 b of a loaded system. A single body is solved by 3 x 3 blocks: two divisions
-/// in a row instead of six. b is overwritten.
+/// True if the system is a single body, which is solved by 3 x 3 blocks: two divisions in a row instead of
+/// six.
+template <class System>
+bool is_single_body(const System& w) noexcept {
+  const std::uint32_t u = w.unknown[0];
+  return w.size == 1 && w.joint_of(u) == nullptr && w.is_body(u);
+}
+
+/// Solves V = A^-1 b of a system that factorize_and_solve() has solved. b is overwritten.
+template <class System, class Vector>
+void solve_again(const System& w, Vector& b, Vector& V) noexcept {
+  if (is_single_body(w)) {
+    const SymmetricSpatialMatrix& A = w.A_kk[0];
+    const std::uint32_t u = w.unknown[0];
+    V[u] = solved({.ww = A.ww, .wv = A.wv, .vw = transposed(A.wv), .vv = A.vv}, b[u]);
+  } else {
+    solve(w, b, V);
+  }
+}
+
+/// Factors and solves V = A^-1 b of a loaded system. b is overwritten.
 template <class System, class Vector>
 void factorize_and_solve(System& w, Vector& b, Vector& V) noexcept {
-  const std::uint32_t u = w.unknown[0];
-  if (w.size == 1 && w.joint_of(u) == nullptr && w.is_body(u)) {
-    const SymmetricSpatialMatrix& A = w.A_kk[0];
-    V[u] = solved({.ww = A.ww, .wv = A.wv, .vw = transposed(A.wv), .vv = A.vv}, b[u]);
-    return;
-  }
-  factorize(w);
-  solve(w, b, V);
+  if (!is_single_body(w)) factorize(w);
+  solve_again(w, b, V);
 }
 
 }  // namespace godobject

@@ -23,6 +23,12 @@ bool is_valid(const LoopJointParams& par, const Scene& scene) noexcept {
          scene.exists(par.b) && par.a != par.b && scene.is_frame(par.P) && scene.is_frame(par.C);
 }
 
+/// Closing joint in a stage.
+struct LoopJointStage : PairStage {
+  SpatialVector multiplier = SpatialVector::zero();  // h F_0 (62) along constrained directions, part of J
+  Real K_w = 1, K_v = 1;                             // K_rigid of rotations and translations
+};
+
 /// Kind of term with a capacity for closing joints. The impulse on b at its anchor, for the twist V of b
 /// against a there, is
 ///
@@ -36,6 +42,7 @@ struct LoopJoints : PairTerm {
   static constexpr std::size_t max = max_;
   static constexpr bool is_joint = true;
   using Param = LoopJointParams;
+  using Stage = LoopJointStage;
 
   /// Linearises a joint. F: its wrench on b in the previous solve.
   template <class OfStage>
@@ -52,7 +59,12 @@ struct LoopJoints : PairTerm {
       M = std::min(M, stage.stages[par.a].M);
       I = std::min(I, mean_of(stage.stages[par.a].A_ww));
     }
-    w = {.a = par.a, .b = par.b, .r_a = Column(Vec3(a_W - A.p_W)), .r_b = Column(r_b), .F_0 = Column(F.f)};
+    w = {};
+    w.a = par.a;
+    w.b = par.b;
+    w.r_a = Column(Vec3(a_W - A.p_W));
+    w.r_b = Column(r_b);
+    w.F_0 = Column(F.f);
     with_joint(par.kind, [&](auto kind) noexcept {
       const auto m = kind.motion(now.X);
       const Twist beta = across(m, AtPrediction::beta(m, now.V, par.C.p.squaredNorm(), stage.h));
@@ -60,11 +72,24 @@ struct LoopJoints : PairTerm {
       if constexpr (decltype(m)::num_turns == 3) turns.setZero();
       for (const Vec3& s : m.turn) turns -= s * s.transpose();
       for (const Vec3& s : m.slide) moves -= s * s.transpose();
-      const Real K_w = rigid_mass_ratio * I, K_v = rigid_mass_ratio * M;
-      w.K = {.ww = block_of(K_w * turns), .wv = Block::zero(), .vv = block_of(K_v * moves)};
-      w.J = {.w = Column(Vec3(turns * (K_w * beta.w + stage.h * F.tau))),
-             .v = Column(Vec3(moves * (K_v * beta.v + stage.h * F.f)))};
+      w.K_w = rigid_mass_ratio * I;
+      w.K_v = rigid_mass_ratio * M;
+      w.K = {.ww = block_of(w.K_w * turns), .wv = Block::zero(), .vv = block_of(w.K_v * moves)};
+      w.multiplier = {.w = Column(Vec3(turns * (stage.h * F.tau))),
+                      .v = Column(Vec3(moves * (stage.h * F.f)))};
+      w.J = w.multiplier + SpatialVector{.w = Column(Vec3(turns * (w.K_w * beta.w))),
+                                         .v = Column(Vec3(moves * (w.K_v * beta.v)))};
     });
+  }
+  using PairTerm::each_impulse_of, PairTerm::stiff_impulse;
+  /// Adds an impulse to the multiplier.
+  static void add_to_multiplier(const SpatialVector& J, Stage& w) noexcept {
+    w.multiplier += J;
+    w.J += J;
+  }
+  /// Returns a . K_rigid^-1 b of two impulses.
+  static Real weighted(const SpatialVector& a, const SpatialVector& b, const Stage& w) noexcept {
+    return dot(a.w, b.w) / w.K_w + dot(a.v, b.v) / w.K_v;
   }
   /// Returns zero: a joint stores no energy.
   template <class At>

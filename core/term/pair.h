@@ -54,14 +54,25 @@ struct PairTerm {
   /// Calls f(u, impulse on u about its centre of mass) at the twists V.
   template <class Twists, class F>
   static void each_impulse(const Twists& V, const Stage& w, F f) noexcept {
-    const SpatialVector J = force(V, w);
-    f(w.b, moved_wrench(J, w.r_b));
-    if (is_between(w)) f(w.a, moved_wrench(J * Real(-1), w.r_a));
+    each_impulse_of(force(V, w), w, f);
   }
   /// Returns the impulse on b at its point.
   template <class Twists>
   static SpatialVector force(const Twists& V, const Stage& w) noexcept {
     return w.J - w.K * twist_of(V, w);
+  }
+
+ protected:
+  /// Calls f(u, impulse on u about its centre of mass) for the impulse J on b at its point.
+  template <class F>
+  static void each_impulse_of(const SpatialVector& J, const Stage& w, F f) noexcept {
+    f(w.b, moved_wrench(J, w.r_b));
+    if (is_between(w)) f(w.a, moved_wrench(J * Real(-1), w.r_a));
+  }
+  /// Returns K V.
+  template <class Twists>
+  static SpatialVector stiff_impulse(const Twists& V, const Stage& w) noexcept {
+    return w.K * twist_of(V, w);
   }
 
  private:

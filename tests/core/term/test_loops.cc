@@ -64,14 +64,16 @@ Real potential(Real theta) {
 /// Returns the crank's angle at time t.
 Real exact_angle(Real t) { return coordinate_at(t, effective_inertia, potential, start_angle); }
 
-/// A four-bar of rods in gravity, turned by q_W as a whole. kind: of the closing joint.
+/// A four-bar of rods in gravity, turned by q_W as a whole. kind: of the closing joint. angle: of the
+/// crank.
 template <class I>
-std::unique_ptr<Mechanism<I>> four_bar(Real h, JointKind kind, const Quat& q_W = Quat::Identity()) {
+std::unique_ptr<Mechanism<I>> four_bar(Real h, JointKind kind, const Quat& q_W = Quat::Identity(),
+                                       Real angle = start_angle) {
   auto run = std::make_unique<Mechanism<I>>();
   run->par.num_bodies = 0;
   run->par.h = h;
   run->par.gravity_W = q_W * Vec3(0, -gravity, 0);
-  const FourBarAt at = four_bar_at(start_angle);
+  const FourBarAt at = four_bar_at(angle);
   const auto turned = [&](const Pose& X) { return Pose{.p = q_W * X.p, .q = q_W * X.q}; };
   const auto link = [&](Real length, const Vec3& p, const Vec3& q, std::size_t parent, const Vec3& joint) {
     const Real I_l = inertia(length);
@@ -147,6 +149,41 @@ TEST(Loops, ClosingJointBearsTheWeight) {
   };
   bears(ImplicitEuler{});
   bears(TrBdf2{});
+}
+
+/// A universal joint locks a four-bar, whose crank is almost in line with the coupler. The joint hardly moves
+/// the crank, and bears a multiple of its load. A spring loads the crank at once. Afterwards nothing moves,
+/// so that no energy returns.
+TEST(Loops, LockedOnesNearASingularPoseGainNoEnergy) {
+  const Real in_line = std::acos(((a + b) * (a + b) + d * d - c * c) / (2 * (a + b) * d));
+  const auto gain = [&]<class I>(I, Real off_line) {
+    const auto run =
+        four_bar<I>(1e-3, JointKind::universal, exp_so3(Vec3(0.4, 1.1, -0.6)), in_line + off_line);
+    const RigidBodyState& crank = run->x.bodies[0].x;
+    const Vec3 end = crank.X_WB.p + to_world(crank.X_WB.q, Vec3(a / 2, 0, 0));
+    const Vec3 across = to_world(crank.X_WB.q, Vec3::UnitY());
+    auto& springs = run->par.terms.template of<1>();
+    springs.list[springs.size++] = {
+        .a = {.p = end + 0.01 * across}, .b = {.on = 0, .p = Vec3(a / 2, 0, 0)}, .k = 1e6};
+    EXPECT_EQ(validate(run->par), Invalid::nothing);
+    EnergyBalance<Looped<I>> balance;
+    balance.start(run->par, run->x);
+    Real least = balance.balance(), most_gained = 0;
+    const Real at_work = balance.energy();
+    for (int n = 0; n < 500; ++n) {
+      run->step();
+      EXPECT_EQ(run->out.fault, Fault::none);
+      balance.observe(run->par, run->x, run->w, run->out);
+      least = std::min(least, balance.balance());
+      most_gained = std::max(most_gained, balance.balance() - least);
+    }
+    std::printf("%s, %.0e rad: gains %.1e of the energy\n", I::name, off_line, most_gained / at_work);
+    return most_gained / at_work;
+  };
+  for (const Real off_line : {3e-2, 1e-2, 3e-3, 1e-3}) {
+    EXPECT_LT(gain(ImplicitEuler{}, off_line), 1e-5);
+    EXPECT_LT(gain(TrBdf2{}, off_line), 1e-5);
+  }
 }
 
 /// Bricard's linkage: five rods of 1 m and six hinges, of one freedom though counted as none. It falls
