@@ -55,7 +55,7 @@ TEST(StabilityMap, ScenesThatGainedDoNot) {
   for (const std::uint64_t number : {138391, 125335, 141815, 121015, 138399, 22047, 136223, 53140, 112516,
                                      86772, 135556, 112444, 31468, 66636, 43004, 1676, 144924}) {
     const MapSample sample = map_sample(1, number);
-    EXPECT_EQ(sample.fault, 0) << number;
+    EXPECT_EQ(sample.fault, 0u) << number;
     EXPECT_LE(sample.gain, MapSample::max_silent_gain) << number;
   }
 }
