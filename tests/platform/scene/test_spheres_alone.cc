@@ -158,7 +158,8 @@ TEST(SpheresAlone, ShapesThatBeginInASolidAreFound) {
   for (const ShapeKind own : {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box})
     for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box, ShapeKind::plane}) {
       BodyConfig tool = body_of("tool", 0.1, 1e-5);
-      ShapeConfig shape{.kind = own};
+      ShapeConfig shape;
+      shape.kind = own;
       if (own == ShapeKind::box) shape.half_extents = Vec3(0.002, 0.003, 0.004);
       else shape.radius = 0.002;
       if (own == ShapeKind::capsule) shape.half_length = 0.004;

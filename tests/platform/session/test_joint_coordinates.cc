@@ -103,7 +103,9 @@ TEST(JointCoordinates, AreCountedFromTheScenesStart) {
           EXPECT_NEAR(coordinates_at_start(scene.bodies, scene.joints[0])[0], start, 1e-14);
           double farthest = 0, turned = 0;
           attacked(scene, Motion(scene), way + 0.1, [&](const CycleRecord& r) {
-            if (r.t < way - 2 * scene.step) EXPECT_NEAR(r.joint_q[0], start + rate * r.t, 1e-9);
+            if (r.t < way - 2 * scene.step) {
+              EXPECT_NEAR(r.joint_q[0], start + rate * r.t, 1e-9);
+            }
             if (std::abs(r.joint_q[0]) > farthest) turned = r.t;
             farthest = std::max(farthest, std::abs(r.joint_q[0]));
           });
