@@ -135,7 +135,7 @@ def test_wrong_options_are_refused(tmp_path, options, message):
 def test_mujoco_as_the_slow_world(run_later):
     if not shutil.which("node") or not (PACKAGES / "node_modules/@mujoco/mujoco").is_dir():
         pytest.skip("no node, or no MuJoCo: ./dev study --peers fetches it")
-    for _ in range(5):
+    for _ in range(8):
         world = subprocess.Popen(["node", str(SOURCE / "tests/python/mujoco_world.mjs"), str(PACKAGES), run_later.name,
                                   "3.6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert world.stdout.readline() == "ready\n", world.communicate()  # before the run, whose hand moves
@@ -144,8 +144,11 @@ def test_mujoco_as_the_slow_world(run_later):
         assert world.returncode == 0, errors
         _, report = run_later.end()
         block = json.loads(printed)
-        if block["longest_s"] < 0.1:
-            break  # else MuJoCo got no processor for a while: again
+        missed = read_report(run_later.folder / "report.json")["timing"]["missed_deadlines"]
+        if block["longest_s"] < 1 / 60 + 0.03 and missed < 20:
+            break  # else either got no processor for longer than the jitter of 30 ms that is promised: again
+    else:
+        pytest.skip(f"the machine is busy: MuJoCo's longest of 8 runs took {block['longest_s']:.3f} s for a period")
     assert report["malformed"] == 0 and report["packets"] > 100
     # At 2.5 s the hand is 20 mm beyond the touch. Springs in series: coupling, four corners, the block's.
     force = 0.020 / (1 / 500 + 1 / 4000 + 1 / 400)

@@ -56,15 +56,17 @@ Real gain(JointedPileOf<I>& pile, const ContactLaw& law, Real h) {
   set_law(pile.par, law);
   const Real first = energy(pile.par, pile.x);
   Real gained = 0, work = 0;
-  std::size_t contacts = 0;
+  bool touches = false;
   for (int n = 0; n < std::min(0.6 / pile.par.h, 1500.0); ++n) {
     pile.step();
     if (any(pile.out.fault)) return std::numeric_limits<Real>::infinity();
     work += given<I>(pile.out.contacts);
     gained = std::max(gained, energy(pile.par, pile.x) - first - work);
-    contacts += pile.out.contacts.num_contacts;
+    // stiff contacts may be open again where the step ends
+    for (std::size_t i = 0; i < num_bodies(pile.par); ++i)
+      touches = touches || !pile.out.bodies[i].contact.F_W.f.isZero(0);
   }
-  EXPECT_GT(contacts, 0u);
+  EXPECT_TRUE(touches);
   return gained;
 }
 
