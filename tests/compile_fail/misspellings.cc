@@ -19,12 +19,13 @@ static_assert(Scene<Free>);
   };                                       \
   static_assert(!Scene<With_##name>);
 REFUSED(ontacts)
-REFUSED(Cntacts) REFUSED(Cotacts) REFUSED(Conacts) REFUSED(Contcts) REFUSED(Contats) REFUSED(Contacs) REFUSED(
-    Contact) REFUSED(CContacts) REFUSED(Coontacts) REFUSED(Conntacts) REFUSED(Conttacts) REFUSED(Contaacts)
-    REFUSED(Contaccts) REFUSED(Contactts) REFUSED(Contactss) REFUSED(oCntacts) REFUSED(Cnotacts)
-        REFUSED(Cotnacts) REFUSED(Conatcts) REFUSED(Contcats) REFUSED(Contatcs) REFUSED(Contacst)
-            REFUSED(contacts) REFUSED(CONTACTS) REFUSED(Contacts_) REFUSED(contact) REFUSED(Contact_)
-                REFUSED(Contract) REFUSED(Contracts) REFUSED(Contakts) REFUSED(Collision) REFUSED(Collisions)
+REFUSED(Cntacts)
+REFUSED(Cotacts) REFUSED(Conacts) REFUSED(Contcts) REFUSED(Contats) REFUSED(Contacs) REFUSED(Contact) REFUSED(
+    CContacts) REFUSED(Coontacts) REFUSED(Conntacts) REFUSED(Conttacts) REFUSED(Contaacts) REFUSED(Contaccts)
+    REFUSED(Contactts) REFUSED(Contactss) REFUSED(oCntacts) REFUSED(Cnotacts) REFUSED(Cotnacts)
+        REFUSED(Conatcts) REFUSED(Contcats) REFUSED(Contatcs) REFUSED(Contacst) REFUSED(contacts)
+            REFUSED(CONTACTS) REFUSED(Contacts_) REFUSED(contact) REFUSED(Contact_) REFUSED(Contract)
+                REFUSED(Contracts) REFUSED(Contakts) REFUSED(Collision) REFUSED(Collisions)
                     REFUSED(ContactList) REFUSED(FixedContact) REFUSED(BodyContact) REFUSED(odes)
                         REFUSED(Ndes) REFUSED(Noes) REFUSED(Nods) REFUSED(Node) REFUSED(NNodes)
                             REFUSED(Noodes) REFUSED(Noddes) REFUSED(Nodees) REFUSED(Nodess) REFUSED(oNdes)
