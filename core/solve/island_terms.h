@@ -43,14 +43,14 @@ void begin_terms(const typename Contacts::Terms::Params& par, const TermForces<m
   });
 }
 
-/// Calls f(kind, edge, stage) for the terms of an island.
+/// Calls f(kind, number among all terms, edge, stage) for the terms of an island.
 template <class Contacts, std::size_t N, class F>
 void each_term(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
   if constexpr (Contacts::max_terms > 0) {
     if (!island.has_terms) return;
     const auto number = static_cast<std::uint32_t>(&island - w.graph.islands.data());
-    Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t t, const auto& stage) noexcept {
-      if (w.graph.terms[t].island == number) f(kind, w.graph.terms[t], stage);
+    Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t t, auto& stage) noexcept {
+      if (w.graph.terms[t].island == number) f(kind, t, w.graph.terms[t], stage);
     });
   }
 }
@@ -58,7 +58,7 @@ void each_term(const Island& island, BodyContactScratch<Contacts, N>& w, F f) no
 /// Declares the couplings of an island's terms.
 template <class Contacts, std::size_t N>
 void couple_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  each_term(island, w, [&](auto, TermEdge& edge, const auto&) noexcept {
+  each_term(island, w, [&](auto, std::uint32_t, TermEdge& edge, const auto&) noexcept {
     std::size_t k = 0;
     edge.each_pair([&](std::uint32_t a, std::uint32_t b) noexcept {
       edge.entries[k++] = w.system.couple(edge.list[a], edge.list[b]);
@@ -68,7 +68,7 @@ void couple_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noex
 
 template <class Contacts, std::size_t N>
 void load_terms(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
-  each_term(island, w, [&](auto kind, const TermEdge& edge, const auto& stage) noexcept {
+  each_term(island, w, [&](auto kind, std::uint32_t, const TermEdge& edge, const auto& stage) noexcept {
     kind.load(stage, edge.entries, w.system);
   });
 }

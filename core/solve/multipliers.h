@@ -11,6 +11,9 @@
 // S is symmetric in the product a . K^-1 b, with eigenvalues from 0, of redundant directions, to 1.
 #pragma once
 
+#include <array>
+#include <utility>
+
 #include "core/solve/island_terms.h"
 
 namespace godobject {
@@ -22,10 +25,8 @@ using TermImpulses = std::array<SpatialVector, max>;
 /// Calls f(kind, number among all terms, stage) for the closing joints of an island.
 template <class Contacts, std::size_t N, class F>
 void each_closing_joint(const Island& island, BodyContactScratch<Contacts, N>& w, F f) noexcept {
-  const auto number = static_cast<std::uint32_t>(&island - w.graph.islands.data());
-  Contacts::Terms::each(w.terms, [&](auto kind, std::uint32_t t, auto& stage) noexcept {
-    if constexpr (requires { kind.add_to_multiplier(SpatialVector{}, stage); })
-      if (w.graph.terms[t].island == number) f(kind, t, stage);
+  each_term(island, w, [&](auto kind, std::uint32_t t, const TermEdge&, auto& stage) noexcept {
+    if constexpr (requires { kind.add_to_multiplier(SpatialVector{}, stage); }) f(kind, t, stage);
   });
 }
 

@@ -81,7 +81,6 @@ struct LoopJoints : PairTerm {
                                          .v = Column(Vec3(moves * (w.K_v * beta.v)))};
     });
   }
-  using PairTerm::each_impulse_of, PairTerm::stiff_impulse;
   /// Adds an impulse to the multiplier.
   static void add_to_multiplier(const SpatialVector& J, Stage& w) noexcept {
     w.multiplier += J;

@@ -62,7 +62,6 @@ struct PairTerm {
     return w.J - w.K * twist_of(V, w);
   }
 
- protected:
   /// Calls f(u, impulse on u about its centre of mass) for the impulse J on b at its point.
   template <class F>
   static void each_impulse_of(const SpatialVector& J, const Stage& w, F f) noexcept {
