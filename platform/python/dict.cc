@@ -1,10 +1,11 @@
 #include "platform/python/dict.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "platform/scene/text/key_writers.h"
 
 namespace py = pybind11;
 
@@ -31,27 +32,12 @@ std::string_view utf8(py::handle str) {
   return {data, static_cast<std::size_t>(size)};
 }
 
-void add_string(std::string_view value, std::string& text) {
-  text += '"';
-  for (const char c : value) {
-    if (c == '"' || c == '\\') text += '\\';
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      char escaped[8];
-      std::snprintf(escaped, sizeof escaped, "\\u%04X", static_cast<unsigned>(c));
-      text += escaped;
-    } else {
-      text += c;
-    }
-  }
-  text += '"';
-}
-
 void add_key(std::string_view key, std::string& text) {
   const auto is_bare = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
   if (!key.empty() && std::ranges::all_of(key, is_bare)) text += key;
-  else add_string(key, text);
+  else text += TomlWriter::quoted(key);
 }
 
 class Writer {
@@ -153,7 +139,7 @@ class Writer {
     } else if (PyLong_Check(p)) {
       text += utf8(py::str(py::int_(value)));
     } else if (PyUnicode_Check(p)) {
-      add_string(utf8(value), text);
+      text += TomlWriter::quoted(utf8(value));
     } else if (value.is_none()) {
       refuse(place, "the value is None: leave the key out");
     } else if (!PyList_Check(p) && !PyTuple_Check(p)) {

@@ -13,7 +13,7 @@ std::string TomlWriter::array(const std::vector<double>& values) {
   return "[" + text + "]";
 }
 
-std::string TomlWriter::quoted(const std::string& text) {
+std::string TomlWriter::quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {

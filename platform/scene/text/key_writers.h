@@ -5,6 +5,7 @@
 #include <concepts>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/math/types.h"
@@ -16,6 +17,9 @@ namespace godobject {
 class TomlWriter {
  public:
   explicit TomlWriter(std::string& out, std::string path = "") : out_(out), path_(std::move(path)) {}
+
+  /// Returns a string in quotes, with escapes.
+  static std::string quoted(std::string_view text);
 
   void value(const Key& key, double x) { line(key, shortest(x)); }
   void value(const Key& key, const std::string& x) { line(key, quoted(x)); }
@@ -69,7 +73,6 @@ class TomlWriter {
 
  private:
   static std::string array(const std::vector<double>& values);
-  static std::string quoted(const std::string& text);
   void line(const Key& key, const std::string& text) { out_ += std::string(key.name) + " = " + text + "\n"; }
   TomlWriter subtable(const TableKey& key, const char* open, const char* close);
 
