@@ -1,7 +1,6 @@
 #include "tests/study/feel/command.h"
 
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "tests/study/csv_writer.h"
 #include "tests/study/feel/feel.h"
 #include "tests/study/figure.h"
+#include "tests/study/verb.h"
 
 namespace godobject::study {
 namespace {
@@ -109,14 +109,6 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int run_feel_command(int argc, char** argv) {
-  const int verb = argc > 1 && std::string(argv[1]) == "feel" ? 1 : 0;
-  try {
-    return run(argc - verb, argv + verb);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
-}
+int run_feel_command(int argc, char** argv) { return run_verb("feel", argc, argv, run); }
 
 }  // namespace godobject::study

@@ -113,8 +113,8 @@ class WatchedLink final : public RigLink {
 };
 
 [[noreturn]] void fail(const std::vector<std::string>& errors) {
-  std::string all = "feel:";
-  for (const std::string& error : errors) all += " " + error;
+  std::string all;
+  for (const std::string& error : errors) all += (all.empty() ? "" : "; ") + error;
   throw std::runtime_error(all);
 }
 

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 
 #include "tests/study/map/section.h"
 #include "tests/study/map/shard.h"
+#include "tests/study/verb.h"
 
 namespace godobject::study {
 namespace {
@@ -112,15 +112,6 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int run_map_command(int argc, char** argv) {
-  // argv may be of the program alone or begin with the verb after it
-  const int verb = argc > 1 && std::string(argv[1]) == "stability-map" ? 1 : 0;
-  try {
-    return run(argc - verb, argv + verb);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "stability-map: %s\n", error.what());
-    return 1;
-  }
-}
+int run_map_command(int argc, char** argv) { return run_verb("stability-map", argc, argv, run); }
 
 }  // namespace godobject::study
