@@ -91,8 +91,7 @@ inline constexpr std::array<FaultText, 11> run_fault_texts{{
      "lower the feedback's damping and stiffness, or raise the limit that it reaches"},
     {"held",
      "on a device: deadlines were missed, or samples of the rig; the pose was held and the force faded for "
-     "more "
-     "than 5 % of the run",
+     "more than 5 % of the run",
      "after missed deadlines: end other programs on this machine, and check the real-time set-up, see "
      "docs/running.md; for want of samples: check bus load and cables"},
     {"seal_broken", "with --seal: the loop made a system call that it must not make; the torque was cut",

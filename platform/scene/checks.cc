@@ -212,7 +212,7 @@ BuriedSolids buried_solids(const SceneConfig& scene) {
   for (const Surface& surface : contacts.surfaces) shapes.push_back(in_world(surface, scene));
   BuriedSolids buried;
   // true if the centre of a ball of this body is inside a solid
-  const auto is_buried = [&](std::size_t body, const char* what, const Vec3& p_W, double radius) {
+  const auto is_buried = [&](std::size_t body, const char* kind, const Vec3& p_W, double radius) {
     double deepest = 0;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const std::size_t other = contacts.surfaces[s].body;
@@ -222,7 +222,7 @@ BuriedSolids buried_solids(const SceneConfig& scene) {
       deepest = distance;
       if (radius - distance <= buried.depth) continue;
       buried.depth = radius - distance;
-      buried.deepest = what + (" of body '" + scene.bodies[body].name) + "' in " + contacts.surface_names[s];
+      buried.deepest = kind + (" of body '" + scene.bodies[body].name) + "' in " + contacts.surface_names[s];
     }
     return deepest < 0;
   };

@@ -60,8 +60,7 @@ TEST(DisplayRatio, ScalesTheWayOfTheTargetAndTheForceOfTheHand) {
 
 /// The stiffness that a drive feels counts the scaled shift and the scaled force.
 TEST(DisplayRatio, PassivityCountsItTwice) {
-  SceneConfig scene = load_shipped("wall.toml");
-  if (!scene.device->rig || scene.device->rig->drives.empty()) scene = load_shipped("rigid.toml");
+  SceneConfig scene = load_shipped("rigid.toml");
   scene.device->kind = DeviceKind::relative;
   const JointVector q = joints_at_start(scene, Motion(scene));
   const auto K = [&](double display_ratio) {
