@@ -73,6 +73,18 @@ JointVector TreeConfiguration::joint_torques(std::span<const Wrench> F_H_W) cons
   return tau;
 }
 
+// tau_j = dp/dq_j . M g with p the centre and M the mass of all that joint j moves
+JointVector TreeConfiguration::weight_torques(const Vec3& g_W) const noexcept {
+  JointVector tau = JointVector::Zero(static_cast<Eigen::Index>(num_joints_));
+  for (std::size_t j = 0; j < num_joints_; ++j) {
+    const Joint& joint = joints_[j];
+    const Vec3 moment_W = joint.mp_W - joint.mass * joint.p_WJ;
+    tau(static_cast<Eigen::Index>(j)) =
+        joint.hinge ? joint.axis_W.dot(moment_W.cross(g_W)) : joint.mass * joint.axis_W.dot(g_W);
+  }
+  return tau;
+}
+
 KinematicTree::KinematicTree(const KinematicTreeParams& tree) noexcept
     : X_WB_(tree.X_WB),
       num_joints_(std::min(tree.joints.size(), max_joints)),
@@ -81,7 +93,7 @@ KinematicTree::KinematicTree(const KinematicTreeParams& tree) noexcept
   std::array<std::uint32_t, max_joints + 1> movers{};  // by link
   for (std::size_t j = 0; j < num_joints_; ++j) {
     const std::size_t parent = parent_link(joints, j).value_or(0);
-    joints_[j] = {joints[j].kind, parent, joints[j].X_PJ, joints[j].axis_J};
+    joints_[j] = {joints[j].kind, parent, joints[j].X_PJ, joints[j].axis_J, joints[j].mass, joints[j].p_LM};
     movers[j + 1] = movers[parent] | 1u << j;
   }
   for (std::size_t i = 0; i < num_handles_; ++i) {
@@ -99,8 +111,18 @@ TreeConfiguration KinematicTree::at(const JointVector& q) const noexcept {
   for (std::size_t j = 0; j < num_joints_; ++j) {
     const Joint& joint = joints_[j];
     const Pose X_WJ = compose(X_WL[joint.parent_link], joint.X_PJ);
-    out.joints_[j] = {X_WJ.q * joint.axis_J, X_WJ.p, joint.kind == DeviceJointKind::hinge};
     X_WL[j + 1] = compose(X_WJ, joint_motion(joint.kind, joint.axis_J, q(static_cast<Eigen::Index>(j))));
+    out.joints_[j] = {.axis_W = X_WJ.q * joint.axis_J,
+                      .p_WJ = X_WJ.p,
+                      .hinge = joint.kind == DeviceJointKind::hinge,
+                      .mass = joint.mass,
+                      .mp_W = joint.mass * (X_WL[j + 1].p + X_WL[j + 1].q * joint.p_LM)};
+  }
+  for (std::size_t j = num_joints_; j-- > 0;) {  // a parent comes before its children
+    if (joints_[j].parent_link == 0) continue;
+    auto& parent = out.joints_[joints_[j].parent_link - 1];
+    parent.mass += out.joints_[j].mass;
+    parent.mp_W += out.joints_[j].mp_W;
   }
   for (std::size_t i = 0; i < num_handles_; ++i) {
     out.handles_[i] = {compose(X_WL[handles_[i].link], handles_[i].X_LH), handles_[i].movers};

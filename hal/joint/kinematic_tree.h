@@ -45,6 +45,9 @@ class TreeConfiguration {
   /// Returns tau = sum over the handles of J^T F: the wrenches of (8), shifted to the parents by (9) and
   /// projected on the joint axes. F_H_W: one per handle; missing ones are zero, surplus ones are ignored.
   JointVector joint_torques(std::span<const Wrench> F_H_W) const noexcept;
+  /// Returns the torques of the links' weight on the joints, the negative gradient of
+  /// U = - sum m g . p_WM. g_W: gravity, m/s^2.
+  JointVector weight_torques(const Vec3& g_W) const noexcept;
 
  private:
   friend class KinematicTree;
@@ -52,6 +55,8 @@ class TreeConfiguration {
     Vec3 axis_W = Vec3::Zero();
     Vec3 p_WJ = Vec3::Zero();
     bool hinge = true;
+    double mass = 0;           // of the link and all links that it carries, kg
+    Vec3 mp_W = Vec3::Zero();  // their first moment of mass about the world's origin, kg m
   };
   struct Handle {
     Pose X_WH;
@@ -89,6 +94,8 @@ class KinematicTree {
     std::size_t parent_link = 0;  // numbered as by parent_link()
     Pose X_PJ;
     Vec3 axis_J = Vec3::UnitZ();
+    double mass = 0;
+    Vec3 p_LM = Vec3::Zero();
   };
   struct Handle {
     std::size_t link = 0;

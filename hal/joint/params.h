@@ -22,6 +22,8 @@ struct DeviceJoint {
   DeviceJointKind kind = DeviceJointKind::hinge;
   Pose X_PJ{};                  // joint frame in the parent's link frame
   Vec3 axis_J = Vec3::UnitZ();  // unit
+  double mass = 0;              // of its link, kg, >= 0
+  Vec3 p_LM = Vec3::Zero();     // centre of mass, in the link's frame
 };
 
 /// Grip of the user on a body of the tool: the handle is the target of that body.

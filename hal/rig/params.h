@@ -10,6 +10,7 @@
 #include "hal/can/params.h"
 #include "hal/drive/params.h"
 #include "hal/joint/transmission.h"
+#include "hal/rig/compensation.h"
 
 namespace godobject {
 
@@ -39,6 +40,7 @@ struct RigParams {
   std::vector<EncoderParams> encoders;
   std::vector<DriveParams> drives;
   std::vector<ButtonParams> buttons{};
+  CompensationParams compensation{};
   double stale_after_s = 3e-3;  // age above which a sample is not valid: the pose is held
   // duration without a valid sample that is a fault, at least stale_after_s
   double lost_after_s = 0.1;

@@ -82,13 +82,14 @@ bool Rig::request_answers(std::size_t bus, Nanoseconds now) noexcept {
   return queued;
 }
 
-/// Plans the command of a drive. Its passivity controller acts while torque follows command() and restarts
-/// otherwise, because a torque that runs down is no feedback.
-DriveCommand Rig::plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept {
+/// Plans the command of a drive. Its passivity controller acts on the displayed torque while torque follows
+/// command() and restarts otherwise, because a torque that runs down is no feedback.
+DriveCommand Rig::plan(DriveOnBus& drive, double tau_shown, double tau_compensating,
+                       Nanoseconds now) noexcept {
   const Measured& measured = measured_[static_cast<std::size_t>(drive.joint)];
   if (torque_output() != TorqueOutput::normal) drive.passivity.reset();
-  else tau_joint = drive.passivity.limit(tau_joint, measured.q, measured.valid && measured.reads_ago == 0);
-  return drive.drive.plan(tau_joint, goal(), now);
+  else tau_shown = drive.passivity.limit(tau_shown, measured.q, measured.valid && measured.reads_ago == 0);
+  return drive.drive.plan(tau_shown + tau_compensating, goal(), now);
 }
 
 void Rig::control_passivity(std::span<const PassivityParams> controllers) noexcept {

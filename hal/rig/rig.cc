@@ -73,7 +73,8 @@ Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses
     sensors_[joint] = &encoders_[i].encoder;
     measured_[joint].every_nth_sync = 1;
   }
-  configuration_ = tree_.at(JointVector::Zero(static_cast<Eigen::Index>(num_joints())));
+  q_dot_ = JointVector::Zero(static_cast<Eigen::Index>(num_joints()));
+  configuration_ = tree_.at(q_dot_);
 }
 
 std::size_t Rig::add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device) {
@@ -174,10 +175,11 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   }
   out.q = transmission_.joints(out.q);
   out.q_dot = transmission_.joints(out.q_dot);
+  q_dot_ = out.q_dot;
   configuration_ = tree_.at(out.q);
-  for (std::size_t i = 0; i < num_handles(); ++i) {
-    out.handles[i] = {configuration_.X_WH(i), configuration_.twist(i, out.q_dot)};
-  }
+  const double ahead_s = params_.compensation.ahead_s;
+  const TreeConfiguration shown = ahead_s > 0 ? tree_.at(out.q + ahead_s * out.q_dot) : configuration_;
+  for (std::size_t i = 0; i < num_handles(); ++i) out.handles[i] = {shown.X_WH(i), shown.twist(i, out.q_dot)};
   out.buttons = buttons();
   out.age = now - out.t_ns;
   out.faults = faults();
@@ -199,14 +201,19 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   if (state() == RigState::off) return report;
   now_ns_ = now;
   JointVector tau = transmission_.actuator_torques(configuration_.joint_torques(F_hand_W));
-  if (!tau.allFinite()) raise({.fault = RigFault::command_not_finite});
-  if (torque_output() != TorqueOutput::normal) tau.setZero();
+  JointVector beside =
+      transmission_.actuator_torques(compensating_torques(params_.compensation, configuration_, q_dot_));
+  if (!tau.allFinite() || !beside.allFinite()) raise({.fault = RigFault::command_not_finite});
+  if (torque_output() != TorqueOutput::normal) {
+    tau.setZero();
+    beside.setZero();
+  }
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
-    const DriveCommand planned = plan(drive, tau(drive.joint), now);
+    const DriveCommand planned = plan(drive, tau(drive.joint), beside(drive.joint), now);
     const bool sent = !planned.out.frame || send(nodes_[drive.node].bus, *planned.out.frame);
     if (sent) drive.drive.sent(planned, now);
-    drive.passivity.sent(drive.drive.commanded_torque_Nm() / drive.motor_per_joint);
+    drive.passivity.sent(drive.drive.commanded_torque_Nm() / drive.motor_per_joint - beside(drive.joint));
     const auto bit = [i](bool on) { return (on ? 1u : 0u) << i; };
     report.torque_limited |= bit(planned.torque_limited);
     report.rate_limited |= bit(planned.rate_limited);

@@ -118,8 +118,8 @@ class Rig {
   /// Supervises, then returns the handles. State changes and faults happen here, after the answers are in,
   /// because a late host is no fault of the device.
   DeviceSample read(Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
-  /// Sends one command to every drive: tau = M^T sum of J^T F at the pose of the last read(), zero unless
-  /// armed. M: transmission.
+  /// Sends one command to every drive: tau = M^T (sum of J^T F + compensation) at the pose of the last
+  /// read(), zero unless armed. M: transmission.
   /// F_hand_W: wrench of the device on the hand for each handle, world axes, about the handle's origin, N m
   /// and N; missing ones are zero. Components on joints without a drive are not displayed. Call it in every
   /// cycle and state: it also carries the controlwords.
@@ -219,7 +219,7 @@ class Rig {
   std::string evidence_text(const RigFaultRecord& record) const;
 
   // request.cc
-  DriveCommand plan(DriveOnBus& drive, double tau_joint, Nanoseconds now) noexcept;
+  DriveCommand plan(DriveOnBus& drive, double tau_shown, double tau_compensating, Nanoseconds now) noexcept;
   bool begin_cycle(std::size_t bus, Nanoseconds now) noexcept;
   bool request_answers(std::size_t bus, Nanoseconds now) noexcept;
   bool is_mark_due(std::size_t bus) noexcept;
@@ -291,6 +291,7 @@ class Rig {
   Nanoseconds heartbeat_due_ns_ = 0;
   int settled_cycles_ = 0;
   TreeConfiguration configuration_;  // tree at the last read()
+  JointVector q_dot_;                // rates of the joints at the last read()
   RigFaultLog fault_log_;
   RigCounters counters_;
 };

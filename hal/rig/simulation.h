@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/math/types.h"
+
 namespace godobject {
 
 /// Mechanics of a joint of the device and of the hand that moves it. The defaults are for a hinge.
@@ -20,6 +22,7 @@ struct JointPlant {
 
 /// Mechanics of the simulated rig behind the bus: default of every joint without its own entry.
 struct PlantConfig : JointPlant {
+  Vec3 gravity_W = Vec3::Zero();  // on the links of the device, m/s^2
   struct OfJoint {
     std::string joint;  // name of a joint of the device
     JointPlant plant;

@@ -63,6 +63,13 @@ struct SpaceMouseConfig {
   int clutch_button = 0, hold_button = 1;  // -1: none
 };
 
+/// Compensation of the device's own mechanics by its drives.
+struct CompensationConfig {
+  bool gravity = false;  // they carry its links
+  double friction = 0;   // share of its Coulomb friction that they overcome, 0 to 1
+  double ahead_s = 0;    // time over which the handles are predicted, s
+};
+
 struct DeviceConfig {
   std::string name;
   DeviceKind kind = DeviceKind::impedance;
@@ -74,6 +81,7 @@ struct DeviceConfig {
   std::optional<RigParams> rig;                          // absent: the scene runs only with --bus direct
   std::optional<KinematicTreeParams> unmeasured_tree{};  // without a rig: joints moved by a motion alone
   PlantConfig plant;
+  CompensationConfig compensation{};
   std::vector<TrackerParams> trackers{};
   std::optional<SpaceMouseConfig> spacemouse{};
 };

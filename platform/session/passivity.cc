@@ -103,6 +103,23 @@ std::string remedy(const SampledAxis& axis) {
                    std::floor(1000 * axis.damping / of_spring) / 10);
 }
 
+/// Returns the stiffness that the compensation of weight adds to the joints, -d tau / dq of (weight_torques).
+/// The weight itself has the opposite one, without delay.
+Matrix weight_stiffness(const RigParams& rig, const JointVector& q) {
+  const Vec3& g_W = rig.compensation.gravity_W;
+  const KinematicTree tree(rig.tree);
+  const Eigen::Index n = q.size();
+  Matrix K = Matrix::Zero(n, n);
+  constexpr double dq = 1e-5;
+  for (Eigen::Index j = 0; j < n && !g_W.isZero(); ++j) {
+    JointVector before = q, after = q;
+    before(j) -= dq;
+    after(j) += dq;
+    K.col(j) = (tree.at(after).weight_torques(g_W) - tree.at(before).weight_torques(g_W)) / (2 * dq);
+  }
+  return K;
+}
+
 }  // namespace
 
 double SampledAxis::needed() const noexcept { return K * period_s * (0.5 + delay) + std::abs(B); }
@@ -153,6 +170,9 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
     K += at_joints(at.jacobian(i), gains.k_r, gains.k);
     B += at_joints(at.jacobian(i), gains.g_r, gains.g);
   }
+  B += rig.compensation.ahead_s * K;
+  const Matrix of_weight = weight_stiffness(rig, q);
+  K += of_weight;
   if (K.isZero(0) && B.isZero(0)) return result;
   const Transmission transmission(rig.transmissions, rig.tree.joints);
   const auto at_actuators = [&](double JointPlant::*number) {
@@ -163,6 +183,7 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
   };
   K = transmission.at_actuators(K);
   B = transmission.at_actuators(B);
+  const Matrix K_weight = transmission.at_actuators(of_weight);
   const Matrix M = at_actuators(&JointPlant::inertia), D = at_actuators(&JointPlant::damping),
                K_hand = at_actuators(&JointPlant::hand_stiffness),
                D_hand = at_actuators(&JointPlant::hand_damping);
@@ -179,8 +200,9 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
                                 .B = B(j, j),
                                 .period_s = scene.step,
                                 .delay = delay_of(rig, drive)}};
-    margin.stable_alone = growth_per_period(margin.axis) <= stable_growth;
-    margin.stable_held = growth_per_period(margin.axis, K_hand(j, j), D_hand(j, j)) <= stable_growth;
+    margin.stable_alone = growth_per_period(margin.axis, -K_weight(j, j)) <= stable_growth;
+    margin.stable_held =
+        growth_per_period(margin.axis, K_hand(j, j) - K_weight(j, j), D_hand(j, j)) <= stable_growth;
     result.joints.push_back(margin);
     driven.push_back(j);
   }

@@ -84,6 +84,7 @@ SimRig::SimRig(const SimRigConfig& config, double cycle_s, std::shared_ptr<const
       cycle_s_(cycle_s),
       hand_(std::move(hand)),
       tree_(params_.tree),
+      gravity_W_(config.plant.gravity_W),
       transmission_(params_.transmissions, params_.tree.joints),
       ik_(params_.tree),
       ik_target_(config.target) {
@@ -240,7 +241,7 @@ void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
   JointVector tau = JointVector::Zero(plant_->q().size());
   for (const DriveAt& d : drives_)
     tau[d.joint] = d.motor->applied_torque_Nm() * d.actuator_torque_per_motor_Nm;
-  tau = transmission_.joint_torques(tau);
+  tau = transmission_.joint_torques(tau) + tree_.at(plant_->q()).weight_torques(gravity_W_);
   for (Eigen::Index i = 0; i < tau.size(); ++i) plant_->set_motor_torque(static_cast<std::size_t>(i), tau[i]);
   const JointTarget hand = hand_at(motion_time);
   plant_->advance(t, hand.q, hand.q_dot);

@@ -125,6 +125,7 @@ class SimRig {
   double cycle_s_;
   std::shared_ptr<const Hand> hand_;
   KinematicTree tree_;
+  Vec3 gravity_W_;
   Transmission transmission_;
   InverseKinematics ik_;
   std::size_t ik_target_ = 0;  // target of the hand that ik_ follows

@@ -50,6 +50,8 @@ void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
   visit_pose(v, "position", "orientation_wxyz", "the joint's frame on the parent's link, at coordinate 0",
              j.X_PJ);
   v.unit_vector(Key{"axis", "", "unit vector in the joint's frame"}, j.axis_J);
+  v.value(Key{"mass", "kg", "of its link, for the gravity of `[device.plant]`", not_negative}, j.mass);
+  v.value(Key{"center_of_mass", "m", "of its link, from the joint's frame at coordinate 0"}, j.p_LM);
 }
 
 template <class V>
@@ -238,6 +240,7 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
                      "20.0, of a slide 500.0", "0.5, of a slide 10.0"},
                     p);
   take_numbers_of_all(v, p);
+  v.value(Key{"gravity", "m/s^2", "on the links that have a mass, world axes"}, p.gravity_W);
   std::vector<std::string> names;
   for (const DeviceJoint& joint : joints) names.push_back(joint.name);
   std::vector<PlantConfig::OfJoint> own = p.joints;
@@ -255,6 +258,44 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
   for (const PlantConfig::OfJoint& j : p.joints)
     if (std::ranges::find(own, j.joint, &PlantConfig::OfJoint::joint) == own.end()) own.push_back(j);
   p.joints = own;
+}
+
+/// Returns the speed of a joint from which the direction of its motion is certain: two counts a step.
+inline double certain_speed(const RigParams& rig, const std::string& joint, double step_s) {
+  const auto encoder = std::ranges::find(rig.encoders, joint, &EncoderParams::joint);
+  const auto drive = std::ranges::find(rig.drives, joint, &DriveParams::joint);
+  const double counts_per_unit = encoder != rig.encoders.end() ? encoder->calibration.counts_per_unit
+                                 : drive != rig.drives.end()   ? drive->calibration.counts_per_unit
+                                                               : 1;
+  return 2 / (counts_per_unit * step_s);
+}
+
+/// plant: mechanics of the device, which the drives compensate.
+template <class V>
+void visit_compensation(V& v, const PlantConfig& plant, double step_s, RigParams* rig,
+                        CompensationConfig& c) {
+  v.value(Key{"gravity", "", "drives carry the links: masses of joints, gravity of `[device.plant]`"},
+          c.gravity);
+  v.value(Key{"friction", "", "share of the friction of `[device.plant]` that they overcome", {0, 1}},
+          c.friction);
+  v.value(Key{"ahead", "s", "handles are predicted over this time, the delay of bus and drives", {0, 0.1}},
+          c.ahead_s);
+  const bool has_drives = rig != nullptr && !rig->drives.empty();
+  v.check(has_drives || (!c.gravity && c.friction == 0), "", "needs drives: add [[device.drive]]");
+  v.check(rig != nullptr || c.ahead_s == 0, "ahead", "needs joints with encoders: add [[device.encoder]]");
+  if (rig == nullptr) return;
+  const bool has_weight =
+      !plant.gravity_W.isZero() &&
+      std::ranges::any_of(rig->tree.joints, [](const DeviceJoint& j) { return j.mass > 0; });
+  v.check(!c.gravity || has_weight, "gravity",
+          "has nothing to carry: give `mass` in [[device.joint]] and `gravity` in [device.plant]");
+  CompensationParams& params = rig->compensation;
+  params = {.gravity_W = c.gravity ? plant.gravity_W : Vec3::Zero(), .ahead_s = c.ahead_s};
+  if (c.friction == 0) return;
+  for (const DeviceJoint& joint : rig->tree.joints) {
+    params.friction.push_back(c.friction * plant.of(joint.name).friction);
+    params.certain_speed.push_back(certain_speed(*rig, joint.name, step_s));
+  }
 }
 
 template <class V>
@@ -568,6 +609,11 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   if (given == PartsOfDevice::none) d.plant = default_plant(joints);
   plain_table(v, TableKey{"plant", "Simulated mechanics of device and hand."},
               [&](auto& t) { visit_plant(t, joints, d.plant); });
+  plain_table(v,
+              TableKey{"compensation", "The drives compensate the device's own weight, friction and delay."},
+              [&](auto& t) {
+                visit_compensation(t, d.plant, scene.step, d.rig ? &*d.rig : nullptr, d.compensation);
+              });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
   optional_table(v, TableKey{"spacemouse", "A SpaceMouse ([trackers](trackers.md#spacemouse))."},
                  d.spacemouse,

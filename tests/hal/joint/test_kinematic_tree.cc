@@ -218,6 +218,38 @@ TEST(KinematicTree, JointTorquesDoTheSamePowerAsAllTheWrenches) {
   }
 }
 
+// tau = - dU/dq with U = - sum m g . p
+TEST(KinematicTree, WeightTorquesAreTheGradientOfTheEnergy) {
+  KinematicTreeParams params = oblique_tree();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0.1, 2);
+  params.handles.clear();  // at the centres of mass
+  const Vec3 g_W(1, -2, -9);
+  for (std::size_t j = 0; j < num_joints; ++j) {
+    DeviceJoint& joint = params.joints[j];
+    joint.mass = j == 4 ? 0 : uniform(random);
+    joint.p_LM = Vec3(uniform(random), -uniform(random), uniform(random));
+    params.handles.push_back(
+        {.body = joint.name, .joint = joint.name, .X_LH = {joint.p_LM, Quat::Identity()}});
+  }
+  const KinematicTree tree(params);
+  const auto energy = [&](const JointVector& q) {
+    const TreeConfiguration at = tree.at(q);
+    double U = 0;
+    for (std::size_t j = 0; j < num_joints; ++j) U -= params.joints[j].mass * g_W.dot(at.X_WH(j).p);
+    return U;
+  };
+  for (int trial = 0; trial < 20; ++trial) {
+    const JointVector q = random_joints(random, 1.5), tau = tree.at(q).weight_torques(g_W);
+    for (Eigen::Index j = 0; j < tau.size(); ++j) {
+      JointVector before = q, after = q;
+      before(j) -= 1e-5;
+      after(j) += 1e-5;
+      EXPECT_NEAR(tau(j), -(energy(after) - energy(before)) / 2e-5, 1e-6) << j;
+    }
+  }
+}
+
 TEST(KinematicTree, JointTorquesAreEquation9FromTheLeavesUp) {
   std::mt19937 random(3);
   for (const KinematicTreeParams& params : {oblique_tree(), test::grasper_tree(), test::phantom_arm()}) {
