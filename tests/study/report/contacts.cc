@@ -94,7 +94,9 @@ void write_imposed(std::ostream& out, const std::vector<PileRun>& runs) {
     out << "| " << run.coupling << " | " << number(run.worst.overlap) << " | " << number(run.worst.force)
         << " | " << number(run.worst.energy) << " | " << run.worst.ejected << " | " << run.num_faults << " | "
         << number(run.worst.residual, 2) << " |\n";
-  out << "\n![imposed and god-object](figures/contact-imposed.png)\n\n";
+  out << "\n![imposed and god-object](figures/contact-imposed.png)\n\n"
+         "A ball pressed into a valley of one mesh (`tests/study/scenes/valley.toml`), and of two planes:\n\n"
+         "![a ball in a valley](figures/valley.png)\n\n";
 }
 
 const ContactCostRow* find_cost(const std::vector<ContactCostRow>& rows, const std::string& composition,

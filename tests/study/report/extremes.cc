@@ -72,7 +72,10 @@ void write_nets(std::ostream& out, const NetResults& nets) {
     out << "| " << r.nodes << " | " << r.integrator << " | " << number(1e-3 * r.ns_per_step) << " | "
         << number(1e-3 * r.ns_p99) << " | " << number(r.iterations, 2) << " | " << number(r.contacts) << " | "
         << (r.instructions ? whole(r.instructions) : "-") << " |\n";
-  out << "\nThe composition holds 1024 nodes; its bytes are in `net-cost.csv`.\n\n";
+  out << "\nThe composition holds 1024 nodes; its bytes are in `net-cost.csv`.\n\n"
+         "A sheet falls on another one, which lies on a ball (`tests/study/scenes/sheets.toml`), after 0.5 "
+         "s:\n\n"
+         "![two sheets](figures/sheets.png)\n\n";
 }
 
 }  // namespace godobject::study
