@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct SampledWall {
   double energy_J = PassivityParams{}.energy_J;                 // 0: no controller
   double q_start = -2e-3;
   double known_inertia = 1;  // inertia known to the controller, of the true one
+  // Law that displays the wall, made for a run: from the sample q, m, to the force, N. None: the spring.
+  std::function<std::function<double(double q)>(const SampledWall&)> law{};
 
   PassivityParams controller() const noexcept {
     const SampledAxis axis{.inertia = plant.inertia,
@@ -65,14 +68,15 @@ WallRun run_wall(const SampledWall& wall, double time_s, Push push) {
   const auto period_ns = static_cast<Nanoseconds>(std::llround(1e9 * wall.period_s));
   const auto num_periods = static_cast<int>(std::lround(time_s / wall.period_s));
   const int num_last = static_cast<int>(std::lround(0.5 / wall.period_s));
+  std::function<double(double)> law = [&](double q) { return q > 0 ? -wall.stiffness * q : 0; };
+  if (wall.law) law = wall.law(wall);
   WallRun run;
   double energy = 0, last = 0, low = 1e300, high = -1e300;
   int free_periods = 0;
   for (int k = 0; k < num_periods; ++k) {
     const double t = k * wall.period_s, true_q = plant.q()(0);
     const double q = std::round(true_q / wall.count) * wall.count;
-    const double law = q > 0 ? -wall.stiffness * q : 0;
-    const double wanted = controller.limit(law, q, true);
+    const double wanted = controller.limit(law(q), q, true);
     const double change = wall.force_rate * wall.period_s;
     const double sent = std::clamp(wanted, last - change, last + change);
     controller.sent(sent);

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/support/sampled_wall.h"
+#include "tests/support/wall_laws.h"
 
 namespace godobject::test_passivity_controller {
 namespace {
@@ -224,6 +225,33 @@ TEST(ZWidth, TheMapOfTheStiffestPassiveWall) {
   for (const int delay : {0, 2}) row(0.5, delay, 10e-6, 1e-3);
   for (const double count : {1e-6, 50e-6}) row(0.5, 1, count, 1e-3);
   for (const double period_s : {2.5e-4, 2e-3}) row(0.5, 1, 10e-6, period_s);
+}
+
+TEST(ZWidth, LawsOfFrameworksOnTheSameDevice) {
+  std::printf("| b, N s/m | delay | rate, kHz | b / (T/2 + t_d) |");
+  for (const auto& [name, law] : wall_laws()) std::printf(" %s |", name.c_str());
+  std::printf("\n");
+  const auto row = [](double damping, int delay, double period_s) {
+    SampledWall wall;
+    wall.plant.damping = damping;
+    wall.plant.hand_damping = 0;
+    wall.delay = delay;
+    wall.period_s = period_s;
+    const double colgate = damping / (period_s * (0.5 + delay));
+    std::printf("| %g | %d | %g | %.2g |", damping, delay, 1e-3 / period_s, 1e-3 * colgate);
+    std::vector<double> found;
+    for (const auto& [name, law] : wall_laws()) {
+      wall.law = law;
+      found.push_back(stiffest(without_controller(wall)));
+      std::printf(" %g |", 1e-3 * found.back());
+    }
+    std::printf("\n");
+    EXPECT_LE(found.front(), 2 * colgate);  // the proxy is the sampled spring
+    EXPECT_GE(found.back(), 1.5 * found.front());
+  };
+  for (const double damping : {0.5, 2.0, 10.0}) row(damping, 1, 1e-3);
+  row(2, 0, 1e-3);
+  row(2, 1, 2.5e-4);
 }
 
 }  // namespace
