@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "platform/engine/wrapped.h"
 #include "platform/scene/contact/params.h"
 
 namespace godobject {
@@ -116,7 +117,11 @@ std::string complaint(const Validity& validity, const SceneConfig& scene) {
   return "body '" + scene.bodies[validity.index].name + "': " + std::string(text_of(validity.rule));
 }
 
+EngineWrapper wrapper = nullptr;  // of this program
+
 }  // namespace
+
+void wrap_engines(EngineWrapper wrap) noexcept { wrapper = wrap; }
 
 std::vector<Composition> compositions() {
   std::vector<Composition> all;
@@ -131,7 +136,7 @@ std::unique_ptr<Engine> make_engine(const SceneConfig& scene, std::span<const Bo
     if (!has_room_for(r.composition, needs, scene) || !has_parts_for(r.composition, needs, scene)) continue;
     Validity validity;
     std::unique_ptr<Engine> engine = r.make(scene, at_start, r.composition, validity);
-    if (engine) return engine;
+    if (engine) return wrapper != nullptr ? wrapper(std::move(engine), scene) : std::move(engine);
     why_not = "the core rejects scene '" + scene.name + "': " + complaint(validity, scene);
     return nullptr;
   }

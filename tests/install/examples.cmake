@@ -10,12 +10,23 @@ file(GLOB_RECURSE of_packages ${prefix}/lib/systemd/* ${prefix}/lib/udev/* ${pre
 if(of_packages)
   message(FATAL_ERROR "files that only Debian packages have are installed: ${of_packages}")
 endif()
-foreach(example peg rig)
+foreach(example peg rig program)
   run(${CMAKE_COMMAND} -S ${SOURCE}/docs/examples/${example} -B ${WORK}/${example} -DCMAKE_PREFIX_PATH=${prefix}
       -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${COMPILER})
   run(${CMAKE_COMMAND} --build ${WORK}/${example})
 endforeach()
 run(${WORK}/peg/peg)
+# A program of one's own has the verbs of `godobject`, and its replays are compared with its own step.
+set(of_run --fast --quiet --duration 2)
+run(${WORK}/program/guided run ${prefix}/share/godobject/scenes/rigid.toml ${of_run} --trace ${WORK}/guided.csv
+    --record ${WORK}/guided.godo)
+run(${WORK}/program/guided replay ${WORK}/guided.godo)
+run(${prefix}/bin/godobject run ${prefix}/share/godobject/scenes/rigid.toml ${of_run} --trace ${WORK}/plain.csv)
+file(SHA256 ${WORK}/guided.csv guided)
+file(SHA256 ${WORK}/plain.csv plain)
+if(guided STREQUAL plain)
+  message(FATAL_ERROR "the law of the program guided is not in its trace")
+endif()
 # Programs that link only godobject::platform contain no simulation.
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/links_no_simulation.py ${NM} ${prefix} ${WORK}/rig/peg_on_rig)
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/peg_on_rig.py ${prefix}/bin/godobject
