@@ -74,6 +74,14 @@ class ByteReader {
     return *this;
   }
 
+  /// Returns the next `size` bytes. If too few remain, returns none, and later calls read nothing.
+  constexpr std::span<const std::uint8_t> take(std::size_t size) noexcept {
+    ok_ = ok_ && bytes_.size() - position_ >= size;
+    if (!ok_) return {};
+    position_ += size;
+    return bytes_.subspan(position_ - size, size);
+  }
+
   constexpr bool ok() const noexcept { return ok_; }
   /// Returns the number of unread bytes.
   constexpr std::size_t left() const noexcept { return bytes_.size() - position_; }

@@ -47,8 +47,6 @@ std::optional<unsigned> from_hex(std::span<const std::uint8_t> digits) noexcept 
   return value;
 }
 
-constexpr std::size_t header_size = 6;  // C4 A5, size, CRC
-
 }  // namespace
 
 Command make_command(std::string_view name, std::string_view parameters) noexcept {
@@ -106,7 +104,7 @@ ReplyReceiver::Event ReplyReceiver::push(std::uint8_t byte) noexcept {
     return Event::too_long;
   }
   data_[size_++] = byte;
-  const bool binary = data_[0] == 0xC4 && (size_ < 2 || data_[1] == 0xA5);
+  const bool binary = (data_[0] == 0xC4 || data_[0] == 0xC8) && (size_ < 2 || data_[1] == 0xA5);
   if (binary) return push_binary();
   return byte == '\r' ? finish_text() : Event::more;
 }
@@ -121,13 +119,21 @@ ReplyReceiver::Event ReplyReceiver::finish_text() noexcept {
   return Event::text;
 }
 
+// C4 A5, size of 16 bits, or C8 A5, size of 32 bits; then a CRC of the header, the body, and its CRC.
 ReplyReceiver::Event ReplyReceiver::push_binary() noexcept {
+  const bool is_long = data_[0] == 0xC8;
+  const std::size_t header_size = is_long ? 8 : 6;
   if (size_ < header_size) return Event::more;
   const std::span<const std::uint8_t> all(data_.data(), size_);
-  std::uint16_t start = 0, body = 0, crc = 0;
-  ByteReader(all).get(start).get(body).get(crc);
+  std::uint16_t start = 0, short_size = 0, crc = 0;
+  std::uint32_t body = 0;
+  ByteReader in(all);
+  in.get(start);
+  if (is_long) in.get(body);
+  else body = in.get(short_size).ok() ? short_size : 0;
+  in.get(crc);
   const bool header_right = crc == crc16<crc16_arc>(all.first(header_size - 2));
-  if (!header_right || body + header_size + 2 > capacity) {
+  if (!header_right || body > capacity - header_size - 2) {
     size_ = 0;
     return header_right ? Event::too_long : Event::bad_crc;
   }

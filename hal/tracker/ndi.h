@@ -45,7 +45,7 @@ class ReplyReceiver {
   enum class Event : std::uint8_t {
     more,
     text,      // content(): characters before the CRC
-    binary,    // content(): body of a BX reply before its CRC
+    binary,    // content(): body of a BX or BX2 reply before its CRC
     bad_crc,   // a reply with a wrong CRC: it is lost
     too_long,  // more than `capacity` bytes without an end: they are lost
   };

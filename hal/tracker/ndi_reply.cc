@@ -224,6 +224,91 @@ ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, 
   return ParseResult::ok;
 }
 
+// ---- BX2: components in components -----------------------------------------------------------------
+
+namespace {
+
+/// Components of BX2.
+namespace component {
+constexpr std::uint16_t frame = 0x0001, poses = 0x0002;
+}
+/// Status of a tool in BX2: a code in the low byte, and the bit that no pose follows.
+namespace bx2_status {
+constexpr std::uint16_t code_mask = 0x00FF, missing = 0x0100;
+constexpr std::uint16_t partly_out_of_volume = 0x01, out_of_volume = 0x02, not_enabled = 0x20,
+                        unplugged = 0x21;
+}  // namespace bx2_status
+
+/// Calls read(type, num_items, bytes) for each component of a list. Returns false if one is cut off.
+template <class F>
+bool each_component(ByteReader& in, F read) noexcept {
+  std::uint16_t version = 0, count = 0;
+  in.get(version).get(count);
+  for (; count > 0 && in.ok(); --count) {
+    std::uint16_t type = 0, format = 0;
+    std::uint32_t size = 0, num_items = 0;
+    in.get(type).get(size).get(format).get(num_items);
+    constexpr std::uint32_t head = 12;
+    if (!in.ok() || size < head || size - head > in.left()) return false;
+    ByteReader items(in.take(size - head));
+    if (!read(type, num_items, items)) return false;
+  }
+  return in.ok();
+}
+
+bool read_poses(std::uint32_t num_items, std::uint32_t frame, ByteReader& in, PoseReply& reply) noexcept {
+  for (; num_items > 0; --num_items) {
+    if (reply.num_handles == max_handles) return false;
+    std::uint16_t handle = 0, status = 0;
+    if (!in.get(handle).get(status).ok() || handle > 0xFF) return false;
+    const std::uint16_t code = status & bx2_status::code_mask;
+    HandlePose pose;
+    pose.handle = static_cast<std::uint8_t>(handle);
+    pose.status = HandleStatus::valid;
+    pose.frame = frame;
+    if (code == bx2_status::not_enabled || code == bx2_status::unplugged)
+      pose.status = HandleStatus::disabled;
+    else if ((status & bx2_status::missing) != 0) pose.status = HandleStatus::missing;
+    if (code == bx2_status::out_of_volume) pose.port_bits = port_status::out_of_volume;
+    if (code == bx2_status::partly_out_of_volume) pose.port_bits = port_status::partly_out_of_volume;
+    if ((status & bx2_status::missing) == 0) read_pose(in, pose);
+    reply.handles[reply.num_handles++] = pose;
+  }
+  return in.ok();
+}
+
+bool read_frames(std::uint32_t num_items, ByteReader& in, PoseReply& reply) noexcept {
+  for (; num_items > 0; --num_items) {
+    std::uint8_t type = 0, index = 0;
+    std::uint16_t status = 0;
+    std::uint32_t frame = 0, seconds = 0, nanoseconds = 0;
+    in.get(type).get(index).get(status).get(frame).get(seconds).get(nanoseconds);
+    if (!in.ok() || nanoseconds >= 1'000'000'000) return false;
+    reply.t_ns = Nanoseconds{1'000'000'000} * seconds + nanoseconds;
+    const auto read = [&](std::uint16_t kind, std::uint32_t count, ByteReader& items) noexcept {
+      return kind != component::poses || read_poses(count, frame, items, reply);
+    };
+    if (!each_component(in, read)) return false;
+  }
+  return in.ok();
+}
+
+}  // namespace
+
+ParseResult parse_bx2(std::span<const std::uint8_t> body, PoseReply& out,
+                      ImplausiblePose implausible) noexcept {
+  PoseReply reply;
+  ByteReader in(body);
+  const auto read = [&](std::uint16_t kind, std::uint32_t count, ByteReader& items) noexcept {
+    return kind != component::frame || read_frames(count, items, reply);
+  };
+  if (!each_component(in, read)) return ParseResult::bad_value;
+  if (in.left() > 0) return ParseResult::too_long;
+  if (!take_plausible(reply, implausible)) return ParseResult::bad_value;
+  out = reply;
+  return ParseResult::ok;
+}
+
 const char* system_status_text(std::uint16_t status) noexcept {
   if ((status & 0x0010u) != 0)
     return "hardware failure: switch the tracker off and on; see its own diagnosis";

@@ -1,5 +1,6 @@
-// Parses replies of the NDI Combined API: poses (TX, BX), port handles (PHSR), tool information (PHINF). All
-// parse functions accept any bytes from ReplyReceiver::content() and write their output on `ok` only.
+// Parses replies of the NDI Combined API: poses (TX, BX, BX2), port handles (PHSR), tool information
+// (PHINF). All parse functions accept any bytes from ReplyReceiver::content() and write their output on `ok`
+// only.
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 
 #include "core/math/types.h"
 #include "hal/base/codec.h"
+#include "hal/base/nanoseconds.h"
 
 namespace godobject::ndi {
 
@@ -51,10 +53,11 @@ struct HandlePose {
 
 inline constexpr std::size_t max_handles = 0xFE;
 
-/// A TX or BX reply.
+/// A TX, BX or BX2 reply.
 struct PoseReply {
   std::array<HandlePose, max_handles> handles;
   std::size_t num_handles = 0;
+  Nanoseconds t_ns = 0;             // time of the measurement by the tracker's clock; 0: none (TX, BX)
   std::uint16_t system_status = 0;  // see system_status_text
 
   std::span<const HandlePose> all() const noexcept { return {handles.data(), num_handles}; }
@@ -72,6 +75,10 @@ enum class ImplausiblePose : std::uint8_t {
 /// Parses the body of a reply to BX. options: those of the command.
 [[nodiscard]] ParseResult parse_bx(std::span<const std::uint8_t> body, std::uint16_t options, PoseReply& out,
                                    ImplausiblePose implausible = ImplausiblePose::refuse_reply) noexcept;
+
+/// Parses the body of a reply to BX2 with poses of tools; other components are skipped.
+[[nodiscard]] ParseResult parse_bx2(std::span<const std::uint8_t> body, PoseReply& out,
+                                    ImplausiblePose implausible = ImplausiblePose::refuse_reply) noexcept;
 
 /// Returns the text of the most severe system status bit that requires action; null if none is set.
 const char* system_status_text(std::uint16_t status) noexcept;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hal/tracker/address.h"
+
 namespace godobject {
 namespace {
 
@@ -42,7 +44,7 @@ const char* NdiTracker::name_of(Step step) noexcept { return step_names[static_c
 std::unique_ptr<Tracker> make_ndi_tracker(const TrackerParams& params, ToolDefinitions definitions,
                                           std::vector<std::string>& errors) {
   const std::string where = "tracker '" + params.name + "': ";
-  if (!ndi::comm_digit(params.baud))
+  if (!is_on_network(params) && !ndi::comm_digit(params.baud))
     errors.push_back(where + "no NDI tracker supports " + std::to_string(params.baud) +
                      " bit/s: choose 9600, 14400, 19200, 38400, 57600, 115200, 230400, 921600 or 1228739");
   for (std::size_t i = 0; i < params.tools.size(); ++i) {
@@ -63,7 +65,9 @@ NdiTracker::NdiTracker(const TrackerParams& params, ToolDefinitions definitions)
 }
 
 void NdiTracker::opened(Nanoseconds now) noexcept {
-  use_text_ = plain_start_ = false;
+  plain_start_ = false;
+  poll_ = is_on_network(params_) ? Poll::bx2 : Poll::bx;
+  clock_ = {};
   by_default_rate_ = true;
   boot_deadline_ = now + std::llround(params_.boot_timeout_s * 1e9);
   restart(now);
@@ -80,7 +84,7 @@ void NdiTracker::restart(Nanoseconds now) noexcept {
   longest_answer_ = 0;
   passes_ = 0;
   unread_.clear();
-  go(by_default_rate_ ? Step::slow_down : Step::follow_rate);
+  go(is_on_network(params_) ? Step::initialise : by_default_rate_ ? Step::slow_down : Step::follow_rate);
   not_before_ = now;
   if (report_.state != TrackerState::failed)
     enter(TrackerState::initialising, "resetting the tracker on %.60s", params_.port.c_str());
@@ -140,7 +144,9 @@ ndi::Command NdiTracker::command() const noexcept {
       return ndi::make_handle_command("PENA", handle, "D");  // a moving tool
     // frames counted from zero
     case Step::start: return ndi::make_command("TSTART", plain_start_ ? "" : "80");
-    case Step::poll: return ndi::make_command(use_text_ ? "TX" : "BX", "0801");
+    case Step::poll:
+      if (poll_ == Poll::bx2) return ndi::make_command("BX2", "--6d=tools");
+      return ndi::make_command(poll_ == Poll::tx ? "TX" : "BX", "0801");
     default: return {};
   }
 }

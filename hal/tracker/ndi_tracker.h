@@ -1,10 +1,12 @@
 // NDI tracker (Polaris, Vega, Aurora), from the opened line to poses: reset, bit rate, tools, tracking,
-// polling. t_ns of a sample is the arrival of the first byte of its reply.
+// polling. t_ns of a sample is the arrival of the first byte of its reply. BX2, which a network has, gives
+// the tracker's own time instead, mapped to this clock.
 #pragma once
 
 #include <optional>
 #include <string_view>
 
+#include "hal/base/stamp_clock.h"
 #include "hal/tracker/ndi.h"
 #include "hal/tracker/ndi_reply.h"
 #include "hal/tracker/tracker.h"
@@ -49,6 +51,9 @@ class NdiTracker final : public Tracker {
     poll,                // BX or TX, until the line is lost
   };
 
+  /// Commands for poses. Firmware without one receives the next.
+  enum class Poll : std::uint8_t { bx2, bx, tx };
+
   static constexpr int max_tries = 3;  // per step
   static const char* name_of(Step step) noexcept;
 
@@ -69,6 +74,7 @@ class NdiTracker final : public Tracker {
   void on_handles(std::span<const std::uint8_t> text, Nanoseconds now) noexcept;
   void on_poses(ndi::ReplyReceiver::Event event, std::span<const std::uint8_t> content,
                 Nanoseconds now) noexcept;
+  ParseResult parse(std::span<const std::uint8_t> content, ndi::PoseReply& reply) const noexcept;
   void take(const ndi::HandlePose& pose, Nanoseconds t) noexcept;
   [[gnu::format(printf, 2, 3)]] void refuse(const char* format, ...) noexcept;
   void next_handle() noexcept;
@@ -85,9 +91,10 @@ class NdiTracker final : public Tracker {
   std::array<char, 140> unread_text_{};
   ndi::Command command_;
   Step step_ = Step::slow_down;
-  bool awaiting_ = false;            // a reply is awaited
-  bool reply_began_ = false;         // the first byte of the reply has arrived
-  bool use_text_ = false;            // use TX, because the firmware has no BX
+  bool awaiting_ = false;     // a reply is awaited
+  bool reply_began_ = false;  // the first byte of the reply has arrived
+  Poll poll_ = Poll::bx;
+  StampClock clock_;                 // of BX2
   bool plain_start_ = false;         // TSTART without a parameter
   bool by_default_rate_ = true;      // this attempt begins with a break at 9600 bit/s
   Nanoseconds deadline_ = 0;         // deadline of the reply

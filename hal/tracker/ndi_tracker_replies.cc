@@ -51,8 +51,8 @@ void NdiTracker::on_error(std::uint8_t code, Nanoseconds now) noexcept {
       plain_start_ = true;
       return go(Step::start);
     case Step::poll:
-      if (use_text_ || code != invalid_command) break;
-      use_text_ = true;
+      if (poll_ == Poll::tx || code != invalid_command) break;
+      poll_ = poll_ == Poll::bx2 ? Poll::bx : Poll::tx;
       return go(Step::poll);
     default: break;
   }
@@ -154,19 +154,28 @@ std::optional<std::size_t> NdiTracker::tool_of(std::uint8_t handle) const noexce
   return static_cast<std::size_t>(found - handles_.begin());
 }
 
+ParseResult NdiTracker::parse(std::span<const std::uint8_t> content, ndi::PoseReply& reply) const noexcept {
+  constexpr auto mark = ndi::ImplausiblePose::mark_handle;
+  switch (poll_) {
+    case Poll::bx2: return ndi::parse_bx2(content, reply, mark);
+    case Poll::bx: return ndi::parse_bx(content, poll_options, reply, mark);
+    case Poll::tx: break;
+  }
+  return ndi::parse_tx(content, poll_options, reply, mark);
+}
+
 void NdiTracker::on_poses(ndi::ReplyReceiver::Event event, std::span<const std::uint8_t> content,
                           Nanoseconds now) noexcept {
   awaiting_ = false;
   const bool binary = event == ndi::ReplyReceiver::Event::binary;
   ndi::PoseReply reply;
-  if (step_ != Step::poll || binary == use_text_ ||
-      (binary ? ndi::parse_bx : ndi::parse_tx)(content, poll_options, reply,
-                                               ndi::ImplausiblePose::mark_handle) != ParseResult::ok) {
+  if (step_ != Step::poll || binary == (poll_ == Poll::tx) || parse(content, reply) != ParseResult::ok) {
     ++report_.counters.malformed;
     return on_lost_reply(now);
   }
   on_poll_answered(now);
-  for (const ndi::HandlePose& pose : reply.all()) take(pose, t_reply_);
+  const Nanoseconds t = reply.t_ns != 0 ? clock_.to_local(reply.t_ns, t_reply_) : t_reply_;
+  for (const ndi::HandlePose& pose : reply.all()) take(pose, t);
   std::size_t num_enabled = 0;
   for (std::size_t i = 0; i < params_.tools.size(); ++i) {
     if (!enabled_[i]) not_measured(i, ToolState::disabled, t_reply_);

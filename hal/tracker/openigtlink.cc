@@ -58,29 +58,6 @@ std::optional<Pose> pose_of(std::span<const std::uint8_t> bytes) noexcept {
 
 }  // namespace
 
-std::optional<Address> parse_address(std::string_view text) {
-  constexpr std::string_view scheme = "tcp:";
-  if (!text.starts_with(scheme)) return std::nullopt;
-  text.remove_prefix(scheme.size());
-  Address address{.host = "", .port = "18944"};
-  const bool has_brackets = text.starts_with('[');
-  const std::size_t end = has_brackets ? text.find(']') : std::min(text.rfind(':'), text.size());
-  if (end == std::string_view::npos) return std::nullopt;
-  address.host = text.substr(has_brackets ? 1 : 0, end - (has_brackets ? 1 : 0));
-  std::string_view rest = text.substr(end + (has_brackets ? 1 : 0));
-  if (!rest.empty()) {
-    if (!rest.starts_with(':')) return std::nullopt;
-    rest.remove_prefix(1);
-    unsigned port = 0;
-    const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), port);
-    if (error != std::errc() || stop != rest.data() + rest.size() || port < 1 || port > 65535)
-      return std::nullopt;
-    address.port = rest;
-  }
-  if (address.host.empty()) return std::nullopt;
-  return address;
-}
-
 std::uint64_t crc64(std::span<const std::uint8_t> bytes, std::uint64_t before) noexcept {
   std::uint64_t crc = before;
   for (const std::uint8_t byte : bytes) crc = crc << 8 ^ crc_table[(crc >> 56 ^ byte) & 0xff];

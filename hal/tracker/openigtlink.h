@@ -23,13 +23,6 @@ namespace godobject::openigtlink {
 
 inline constexpr std::size_t header_bytes = 58, transform_bytes = 48, tool_bytes = 70, max_name = 20;
 
-/// Address of a server.
-struct Address {
-  std::string host, port;
-};
-/// Parses "tcp:HOST:PORT" or "tcp:[HOST]:PORT"; without ":PORT" the port is 18944. None for other texts.
-std::optional<Address> parse_address(std::string_view text);
-
 /// Computes the CRC-64 of ECMA-182, MSB first. before: CRC of the bytes before. Check value of "123456789":
 /// 6C40DF5F0B497347.
 std::uint64_t crc64(std::span<const std::uint8_t> bytes, std::uint64_t before = 0) noexcept;

@@ -32,7 +32,7 @@ struct TrackedToolParams {
 struct TrackerParams {
   std::string name;
   TrackerProtocol protocol = TrackerProtocol::ndi;
-  std::string port;                 // "/dev/serial/by-id/..."; OpenIGTLink: "tcp:HOST:PORT"
+  std::string port;                 // "/dev/serial/by-id/..."; OpenIGTLink and NDI Vega: "tcp:HOST:PORT"
   std::uint32_t baud = 115200;      // bit/s of the line
   Pose X_WT{};                      // tracker frame in the world
   Vec3 hemisphere = Vec3::UnitX();  // Polhemus: direction from the source to its sensors, in its frame

@@ -18,7 +18,7 @@
 #include <system_error>
 #include <utility>
 
-#include "hal/tracker/openigtlink.h"
+#include "hal/tracker/address.h"
 #include "platform/rt/signals.h"
 
 namespace godobject {
@@ -89,7 +89,7 @@ bool TrackerThread::open() {
   port_.close();
   const SerialSettings settings{.baud = tracker_->first_baud()};
   std::string why_not;
-  if (is_on_network()) why_not = connect();
+  if (is_on_network(tracker_->params())) why_not = connect();
   else if (!port_.open(tracker_->params().port, settings)) why_not = port_.trouble();
   const Nanoseconds now = clock_.now();
   if (why_not.empty()) {
@@ -103,7 +103,8 @@ bool TrackerThread::open() {
 
 std::string TrackerThread::connect() {
   const std::string& port = tracker_->params().port;
-  const std::optional<openigtlink::Address> address = openigtlink::parse_address(port);
+  const std::optional<TcpAddress> address =
+      parse_tcp_address(port, default_tcp_port(tracker_->params().protocol));
   if (!address) return port + ": is no address; give tcp:HOST:PORT";
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;

@@ -42,7 +42,6 @@ class TrackerThread final : public TrackerLink {
   std::string connect();
   void serve();
   void carry_out(const LineRequest& request);
-  bool is_on_network() const { return tracker_->params().protocol == TrackerProtocol::openigtlink; }
   void hand_over();
 
   std::unique_ptr<Tracker> tracker_;

@@ -49,6 +49,8 @@ std::span<const std::uint8_t> finish(Text& text) noexcept {
   return text.bytes();
 }
 
+constexpr std::size_t binary_header = 6;  // C4 A5, size, CRC
+
 /// Returns x in multiples of `unit`, clamped to +-limit.
 int scaled(double x, double unit, int limit) noexcept { return saturate_to<int>(x / unit, -limit, limit); }
 
@@ -82,30 +84,68 @@ std::span<const std::uint8_t> make_tx_reply(const ndi::PoseReply& reply,
   return finish(text);
 }
 
+namespace {
+
+/// Adds head and CRCs to the body at out[6], whose writer is given.
+std::span<const std::uint8_t> finish_binary(ByteWriter& body, std::span<std::uint8_t> out) noexcept {
+  const std::size_t size = body.size();
+  body.put(crc16<crc16_arc>(out.subspan(binary_header, size)));
+  if (!body.ok()) return {};
+  ByteWriter(out).put(std::uint16_t{0xA5C4}).put(static_cast<std::uint16_t>(size)).put(std::uint16_t{0});
+  ByteWriter(out.subspan(4)).put(crc16<crc16_arc>(out.first(4)));
+  return out.first(binary_header + size + 2);
+}
+
+void put_pose(ByteWriter& body, const ndi::HandlePose& h) noexcept {
+  const Pose& X = h.X_TH;
+  for (const double q : {X.q.w(), X.q.x(), X.q.y(), X.q.z()}) put_float(body, q);
+  for (const double p : {X.p.x(), X.p.y(), X.p.z()}) put_float(body, 1e3 * p);
+  put_float(body, 1e3 * h.error_m);
+}
+
+}  // namespace
+
 std::span<const std::uint8_t> make_bx_reply(const ndi::PoseReply& reply,
                                             std::span<std::uint8_t> out) noexcept {
-  constexpr std::size_t header = 6;
-  if (out.size() < header + 2) return {};
-  ByteWriter body(out.subspan(header));
+  if (out.size() < binary_header + 2) return {};
+  ByteWriter body(out.subspan(binary_header));
   body.put(static_cast<std::uint8_t>(reply.num_handles));
   for (const ndi::HandlePose& h : reply.all()) {
     body.put(h.handle).put(static_cast<std::uint8_t>(h.status));
     if (h.status == ndi::HandleStatus::disabled) continue;
-    if (h.status == ndi::HandleStatus::valid) {
-      const Pose& X = h.X_TH;
-      for (const double q : {X.q.w(), X.q.x(), X.q.y(), X.q.z()}) put_float(body, q);
-      for (const double p : {X.p.x(), X.p.y(), X.p.z()}) put_float(body, 1e3 * p);
-      put_float(body, 1e3 * h.error_m);
-    }
+    if (h.status == ndi::HandleStatus::valid) put_pose(body, h);
     body.put(h.port_bits).put(h.frame);
   }
   body.put(reply.system_status);
-  const std::size_t size = body.size();
-  body.put(crc16<crc16_arc>(out.subspan(header, size)));
-  if (!body.ok()) return {};
-  ByteWriter(out).put(std::uint16_t{0xA5C4}).put(static_cast<std::uint16_t>(size)).put(std::uint16_t{0});
-  ByteWriter(out.subspan(4)).put(crc16<crc16_arc>(out.first(4)));
-  return out.first(header + size + 2);
+  return finish_binary(body, out);
+}
+
+std::span<const std::uint8_t> make_bx2_reply(const ndi::PoseReply& reply,
+                                             std::span<std::uint8_t> out) noexcept {
+  if (out.size() < binary_header + 2) return {};
+  ByteWriter body(out.subspan(binary_header));
+  constexpr std::uint16_t version = 1, one = 1, of_frame = 1, of_poses = 2, missing = 0x100, unplugged = 0x21;
+  constexpr std::uint32_t head = 12, frame_bytes = 16 + 4;
+  std::uint32_t pose_bytes = head;
+  for (const ndi::HandlePose& h : reply.all()) pose_bytes += h.status == ndi::HandleStatus::valid ? 36u : 4u;
+  body.put(version).put(one);
+  body.put(of_frame).put(head + frame_bytes + pose_bytes).put(std::uint16_t{0}).put(std::uint32_t{1});
+  const std::uint32_t frame = reply.num_handles > 0 ? reply.handles[0].frame : 0;
+  body.put(std::uint8_t{2}).put(std::uint8_t{0}).put(std::uint16_t{0}).put(frame);
+  body.put(static_cast<std::uint32_t>(reply.t_ns / 1'000'000'000))
+      .put(static_cast<std::uint32_t>(reply.t_ns % 1'000'000'000));
+  body.put(version).put(one);
+  body.put(of_poses).put(pose_bytes).put(std::uint16_t{0}).put(static_cast<std::uint32_t>(reply.num_handles));
+  for (const ndi::HandlePose& h : reply.all()) {
+    const bool is_outside = (h.port_bits & ndi::port_status::out_of_volume) != 0;
+    const auto status = h.status == ndi::HandleStatus::valid ? static_cast<std::uint16_t>(is_outside ? 2 : 0)
+                        : h.status == ndi::HandleStatus::missing
+                            ? missing
+                            : static_cast<std::uint16_t>(missing | unplugged);
+    body.put(std::uint16_t{h.handle}).put(status);
+    if (h.status == ndi::HandleStatus::valid) put_pose(body, h);
+  }
+  return finish_binary(body, out);
 }
 
 SimNdi::SimNdi(const TrackerParams& params, double rate_hz, std::uint64_t seed)
@@ -156,8 +196,9 @@ void SimNdi::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexc
 }
 
 void SimNdi::answer(std::string_view command, std::string_view parameters, Nanoseconds now) noexcept {
-  const bool poses = command == "TX" || command == "BX";
-  if (command == "BX" && text_only_) return send_error(error::invalid_command, now);
+  const bool poses = command == "TX" || command == "BX" || command == "BX2";
+  if ((command == "BX" && text_only_) || (command == "BX2" && !has_bx2_))
+    return send_error(error::invalid_command, now);
   if (command == "COMM") return send_text("OKAY", now);
   if (command == "VER") return send_text("Simulated Control Firmware\nNDI S/N: none\n", now);
   if (command == "INIT") {
@@ -167,7 +208,7 @@ void SimNdi::answer(std::string_view command, std::string_view parameters, Nanos
   }
   if (poses) {
     if (!tracking_) return send_error(error::wrong_mode, now);
-    return answer_poses(command == "BX", parameters, now);
+    return answer_poses(command, parameters, now);
   }
   if (command == "TSTOP") {
     tracking_ = false;
@@ -281,9 +322,12 @@ ndi::HandlePose SimNdi::pose_of(std::size_t tool) const noexcept {
   return pose;
 }
 
-void SimNdi::answer_poses(bool binary, std::string_view parameters, Nanoseconds now) noexcept {
-  if (parameters != "0001" && parameters != "0801") return send_error(0x23, now);
+void SimNdi::answer_poses(std::string_view command, std::string_view parameters, Nanoseconds now) noexcept {
+  const bool is_known =
+      command == "BX2" ? parameters == "--6d=tools" : parameters == "0001" || parameters == "0801";
+  if (!is_known) return send_error(0x23, now);
   ndi::PoseReply reply;
+  reply.t_ns = sim_ndi_clock_ns + measurement().t;
   for (std::size_t i = 0; i < num_foreign_; ++i)
     reply.handles[reply.num_handles++] = {.handle = static_cast<std::uint8_t>(first_foreign_ + i),
                                           .status = ndi::HandleStatus::valid,
@@ -294,7 +338,10 @@ void SimNdi::answer_poses(bool binary, std::string_view parameters, Nanoseconds 
     if (ports_[i].handle && ports_[i].enabled) reply.handles[reply.num_handles++] = pose_of(i);
   }
   std::array<std::uint8_t, max_message> bytes{};
-  send(binary ? make_bx_reply(reply, bytes) : make_tx_reply(reply, bytes), now);
+  send(command == "BX2"  ? make_bx2_reply(reply, bytes)
+       : command == "BX" ? make_bx_reply(reply, bytes)
+                         : make_tx_reply(reply, bytes),
+       now);
 }
 
 SimNdi::Port* SimNdi::port_of(std::string_view digits) noexcept {

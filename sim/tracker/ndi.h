@@ -18,6 +18,8 @@ class SimNdi final : public SimTracker {
 
   void receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept override;
   void serial_break(Nanoseconds now) noexcept override;
+  /// Sets firmware with the command BX2, as a Vega on a network has it.
+  void set_bx2(bool has_bx2) noexcept { has_bx2_ = has_bx2; }
   /// Sets older firmware, for which BX is an invalid command.
   void set_text_only(bool text_only) noexcept { text_only_ = text_only; }
   /// Adds tools outside the scene, from handle `first` on, present in every reply. X: their pose, may be
@@ -43,7 +45,7 @@ class SimNdi final : public SimTracker {
   void answer_phsr(std::string_view parameters, Nanoseconds now) noexcept;
   void answer_phrq(Nanoseconds now) noexcept;
   void answer_phinf(const Port& port, Nanoseconds now) noexcept;
-  void answer_poses(bool binary, std::string_view parameters, Nanoseconds now) noexcept;
+  void answer_poses(std::string_view command, std::string_view parameters, Nanoseconds now) noexcept;
   void send_text(std::string_view content, Nanoseconds now) noexcept;
   void send_error(std::uint8_t code, Nanoseconds now) noexcept;
   Port* port_of(std::string_view digits) noexcept;
@@ -59,13 +61,18 @@ class SimNdi final : public SimTracker {
   Pose X_foreign_{};
   std::array<char, 256> line_{};
   std::size_t line_size_ = 0;
-  bool initialised_ = false, tracking_ = false, text_only_ = false;
+  bool initialised_ = false, tracking_ = false, text_only_ = false, has_bx2_ = false;
 };
 
-/// Make replies to TX:0801 and BX:0801 for the wire; empty if `out` is too small.
+/// Time of the simulated tracker's clock when that of the host is 0, ns.
+inline constexpr Nanoseconds sim_ndi_clock_ns = 1'700'000'000'123'456'789;
+
+/// Make replies to TX:0801, BX:0801 and BX2:--6d=tools for the wire; empty if `out` is too small.
 std::span<const std::uint8_t> make_tx_reply(const ndi::PoseReply& reply,
                                             std::span<std::uint8_t> out) noexcept;
 std::span<const std::uint8_t> make_bx_reply(const ndi::PoseReply& reply,
                                             std::span<std::uint8_t> out) noexcept;
+std::span<const std::uint8_t> make_bx2_reply(const ndi::PoseReply& reply,
+                                             std::span<std::uint8_t> out) noexcept;
 
 }  // namespace godobject

@@ -22,6 +22,7 @@ void parse_all(std::span<const std::uint8_t> content, std::uint16_t options) {
   };
   check_poses(ndi::parse_tx(content, options, reply));
   check_poses(ndi::parse_bx(content, options, reply));
+  check_poses(ndi::parse_bx2(content, reply));
   ndi::PortHandles handles;
   ndi::ToolPlate plate;
   static_cast<void>(ndi::parse_phsr(content, handles));

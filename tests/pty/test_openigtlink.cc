@@ -29,6 +29,7 @@
 #include "platform/linux/device_threads.h"
 #include "tests/support/background_program.h"
 #include "tests/support/free_port.h"
+#include "tests/support/loopback_server.h"
 #include "tests/support/program.h"
 #include "tests/support/tracker_thread.h"
 
@@ -37,47 +38,6 @@ namespace {
 
 using openigtlink::Message;
 using testing::HasSubstr;
-
-/// A listening socket on a free port of the loopback, whose clients receive bytes from a function.
-class Server {
- public:
-  using Serve = std::function<void(int client)>;
-
-  explicit Server(Serve serve) : serve_(std::move(serve)) {
-    signal(SIGPIPE, SIG_IGN);
-    listener_ = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{
-        .sin_family = AF_INET, .sin_port = 0, .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(listen(listener_, 4), 0);
-    EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    port_ = ntohs(address.sin_port);
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      while (!stop.stop_requested()) {
-        pollfd waiting{.fd = listener_, .events = POLLIN, .revents = 0};
-        if (poll(&waiting, 1, 20) <= 0) continue;
-        const int client = accept(listener_, nullptr, nullptr);
-        ++connections_;
-        serve_(client);
-        close(client);
-      }
-    });
-  }
-  ~Server() {
-    thread_ = {};
-    close(listener_);
-  }
-  std::string address() const { return "tcp:127.0.0.1:" + std::to_string(port_); }
-  int connections() const { return connections_; }
-
- private:
-  Serve serve_;
-  int listener_ = -1;
-  std::uint16_t port_ = 0;
-  std::atomic<int> connections_{0};
-  std::jthread thread_;
-};
 
 bool send_all(int client, std::span<const std::uint8_t> bytes) {
   return send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
@@ -94,7 +54,7 @@ std::unique_ptr<TrackerThread> start(const std::string& port) {
 
 TEST(OpenIgtLinkThread, AServerThatIsGoneIsConnectedAgain) {
   // Each connection brings ten poses, and ends.
-  const Server server([](int client) {
+  const LoopbackServer server([](int client) {
     for (int i = 0; i < 10; ++i) {
       Message message("TRANSFORM", "probe", 0);
       if (!send_all(client, message.pose({.p = Vec3(0.001 * i, 0, 0), .q = Quat::Identity()}).finish()))
@@ -113,7 +73,7 @@ TEST(OpenIgtLinkThread, AServerThatIsGoneIsConnectedAgain) {
 
 TEST(OpenIgtLinkThread, MalformedBytesAreCountedAndTheConnectionIsMadeAgain) {
   std::atomic<int> number{0};
-  const Server server([&](int client) {
+  const LoopbackServer server([&](int client) {
     const int first = number++;
     if (first == 0) {
       const std::string noise(300, '\xA5');
@@ -144,7 +104,7 @@ TEST(OpenIgtLinkThread, MalformedBytesAreCountedAndTheConnectionIsMadeAgain) {
 TEST(OpenIgtLinkThread, AMissingServerIsNamed) {
   std::string address;
   {
-    const Server closed([](int) {});
+    const LoopbackServer closed([](int) {});
     address = closed.address();
   }
   const auto thread = start(address);
@@ -192,7 +152,7 @@ void serve_probe(int client, bool as_tdata) {
 
 TEST_F(OpenIgtLinkRun, ARunFollowsItsMessages) {
   for (const bool as_tdata : {false, true}) {
-    const Server server([&](int client) { serve_probe(client, as_tdata); });
+    const LoopbackServer server([&](int client) { serve_probe(client, as_tdata); });
     std::string scene = read_file(GODOBJECT_SOURCE_DIR "/sim/scenes/tracked.toml");
     const auto replace = [&](const std::string& from, const std::string& to) {
       ASSERT_NE(scene.find(from), std::string::npos) << from;
@@ -313,7 +273,7 @@ TEST_F(OpenIgtLinkRun, AgainstItsLibrary) { GTEST_SKIP() << "no OpenIGTLink (lib
 #endif
 
 TEST_F(OpenIgtLinkRun, OptionsAreChecked) {
-  const Server taken([](int) { usleep(1000); });
+  const LoopbackServer taken([](int) { usleep(1000); });
   const std::string port = taken.address().substr(taken.address().rfind(':') + 1);
   for (const auto& [option, expected] :
        {std::pair<std::string, const char*>{"--openigtlink " + port, "end the program that has it"},

@@ -7,11 +7,14 @@
 #include <unistd.h>
 
 #include "hal/base/crc16.h"
+#include "sim/tracker/ndi.h"
+#include "tests/support/loopback_server.h"
 #include "tests/support/tracker_thread.h"
 
 namespace godobject::test_tracker_thread {
 namespace {
 
+using test::LoopbackServer;
 using test::read_until;
 
 /// The far end of a pseudo-terminal with a scripted tracker: a wired tool that is always visible.
@@ -128,6 +131,51 @@ TEST(TrackerThread, UnpluggedIsAStateAndThePortIsOpenedAgain) {
   EXPECT_TRUE(read_until(*thread, report, [&] { return report.tools[0].state == ToolState::valid; }))
       << report.text.data();
   unlink(link.c_str());
+}
+
+TEST(TrackerThread, AVegaIsReadOverTcp) {
+  TrackerParams params;
+  params.name = "vega";
+  params.tools.push_back({.body = "tool", .tool = "0A", .X_TH = {}});
+  const Pose pose{.p = Vec3(0.1, -0.2, -1.5), .q = Quat(0.5, 0.5, -0.5, 0.5)};
+  std::atomic<bool> ends = false;
+  const LoopbackServer server([&](int client) {
+    const MonotonicClock clock;
+    SimNdi vega(params, 250, 1);
+    vega.set_bx2(true);
+    vega.set_pose(0, pose);
+    std::array<std::uint8_t, 512> bytes{};
+    pollfd waiting{.fd = client, .events = POLLIN, .revents = 0};
+    while (!ends) {
+      const bool readable = poll(&waiting, 1, 1) > 0;
+      const Nanoseconds now = clock.now();
+      vega.advance(now);
+      if (readable) {
+        const ssize_t size = recv(client, bytes.data(), bytes.size(), 0);
+        if (size <= 0) return;
+        vega.receive(std::span(bytes).first(static_cast<std::size_t>(size)), now);
+      }
+      while (const std::size_t size = vega.transmit(bytes, now))
+        static_cast<void>(send(client, bytes.data(), size, MSG_NOSIGNAL));
+    }
+  });
+  params.port = server.address();
+  auto thread = std::make_unique<TrackerThread>(make_tracker(params, {{}}).tracker);
+  TrackerReport report;
+  EXPECT_TRUE(read_until(*thread, report, [&] { return report.tools[0].number > 50; })) << report.text.data();
+  EXPECT_EQ(report.tools[0].state, ToolState::valid);
+  EXPECT_LT((report.tools[0].X_TH.p - pose.p).norm(), 1e-6);
+  EXPECT_EQ(report.counters.malformed + report.counters.bad_crc, 0u);
+  const Nanoseconds now = MonotonicClock().now();
+  EXPECT_LE(report.tools[0].t_ns, now);
+  EXPECT_GT(report.tools[0].t_ns, now - 10'000'000'000);  // by this clock, not by the tracker's
+  ends = true;                                            // the connection is lost, and made again
+  EXPECT_TRUE(read_until(*thread, report, [&] { return report.state == TrackerState::opening; }));
+  ends = false;
+  EXPECT_TRUE(read_until(*thread, report, [&] { return report.tools[0].state == ToolState::valid; }))
+      << report.text.data();
+  thread.reset();
+  ends = true;
 }
 
 TEST(TrackerThread, APortThatIsNotThereSaysSo) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "hal/tracker/openigtlink.h"
+#include "hal/tracker/address.h"
 #include "hal/tracker/spacenav.h"
 #include "hal/tracker/tracker.h"
 #include "platform/scene/scene.h"
@@ -139,13 +139,19 @@ void visit_tracker(V& v, const std::vector<std::string>& bodies, std::set<std::s
          Key{"protocol", "",
              "ndi: Polaris, Vega, Aurora; polhemus: Fastrak, Liberty, Patriot; openigtlink: a server"},
          tracker_protocol_names, t.protocol);
-  v.value(Key{.name = "port",
-              .unit = "",
-              .meaning = "serial line, best `\"/dev/serial/by-id/...\"`; openigtlink: `\"tcp:HOST:PORT\"`",
-              .required = true},
-          t.port);
-  v.check((t.protocol == TrackerProtocol::openigtlink) == openigtlink::parse_address(t.port).has_value(),
-          "port", "must be tcp:HOST:PORT for openigtlink, and a serial line for other protocols");
+  v.value(
+      Key{.name = "port",
+          .unit = "",
+          .meaning = "serial line, best `\"/dev/serial/by-id/...\"`, or `\"tcp:HOST:PORT\"`: openigtlink, "
+                     "ndi (Vega)",
+          .required = true},
+      t.port);
+  const std::string_view tcp_port = default_tcp_port(t.protocol);
+  const bool has_address = parse_tcp_address(t.port, tcp_port).has_value();
+  const bool fits =
+      is_on_network(t) ? has_address && !tcp_port.empty() : t.protocol != TrackerProtocol::openigtlink;
+  v.check(fits, "port",
+          "must be tcp:HOST:PORT for openigtlink, that or a serial line for ndi, a serial line for polhemus");
   v.value(Key{"baud", "bit/s", "NDI: after the first contact at 9600", {1200, 4e6}}, t.baud);
   visit_pose(v, "position", "orientation_wxyz", "its frame in the world", t.X_WT);
   v.unit_vector(Key{"hemisphere", "", "Polhemus: from the source towards its sensors, in its frame"},

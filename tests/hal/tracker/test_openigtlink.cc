@@ -164,20 +164,6 @@ TEST(OpenIgtLink, AbsurdPosesAreNone) {
   EXPECT_FALSE(has_pose({}));
 }
 
-TEST(OpenIgtLink, AddressesAreParsed) {
-  const auto parse = [](std::string_view text) {
-    const auto address = openigtlink::parse_address(text);
-    return address ? address->host + " " + address->port : "none";
-  };
-  EXPECT_EQ(parse("tcp:127.0.0.1:18944"), "127.0.0.1 18944");
-  EXPECT_EQ(parse("tcp:plus.local"), "plus.local 18944");
-  EXPECT_EQ(parse("tcp:[::1]:5000"), "::1 5000");
-  EXPECT_EQ(parse("tcp:[::1]"), "::1 18944");
-  for (const char* text : {"", "tcp:", "/dev/ttyUSB0", "udp:host:1", "tcp:host:0", "tcp:host:65536",
-                           "tcp:host:x", "tcp::18944", "tcp:[::1", "tcp:[::1]x", "tcp:host:"})
-    EXPECT_EQ(parse(text), "none") << text;
-}
-
 // ---- tracker ---------------------------------------------------------------------------------------
 
 class OpenIgtLinkTracking : public testing::Test {

@@ -24,7 +24,7 @@ struct Polaris : SimulatedTracker {
   }
   static std::unique_ptr<Tracker> make_host(const std::vector<std::string>& tools, TrackerParams params) {
     const TrackerParams named = test::tracker_params(TrackerProtocol::ndi, tools);
-    params.port = named.port;
+    if (params.port.empty()) params.port = named.port;
     params.tools = named.tools;
     ToolDefinitions definitions(tools.size());
     for (std::size_t i = 0; i < tools.size(); ++i)
@@ -95,6 +95,108 @@ TEST(SimNdi, ALineWithoutBreaks) {
   Polaris rig;
   rig.understands_breaks = false;
   ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+}
+
+TrackerParams on_network() {
+  TrackerParams params;
+  params.port = "tcp:vega";
+  return params;
+}
+
+TEST(SimNdi, ANetworkHasNeitherBreaksNorBitRates) {
+  Polaris rig({"0A", "probe.rom"}, on_network());
+  rig.sim().set_bx2(true);
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+  EXPECT_EQ(rig.breaks, 0);
+  EXPECT_EQ(rig.baud, 0u) << "a rate was set";
+  rig.run(1);
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(rig.tool(i).state, ToolState::valid);
+    EXPECT_LT((rig.tool(i).X_TH.p - here.p).norm(), 1e-6);
+    EXPECT_NEAR(rig.tool(i).number, 60, 3);
+  }
+  EXPECT_EQ(rig.tracker->report().counters.malformed, 0u);
+}
+
+// The time of a pose is that of its measurement by the tracker's clock, mapped by the least delayed reply.
+TEST(SimNdi, PosesOfBx2HaveTheTrackersTime) {
+  Polaris rig({"0A"}, on_network());
+  rig.sim().set_bx2(true);
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+  rig.run(0.5);
+  for (const Nanoseconds delay : {Nanoseconds{0}, Nanoseconds{9'000'000}, Nanoseconds{2'000'000}}) {
+    rig.sim().faults.delay = delay;
+    std::uint32_t number = rig.tool(0).number;
+    Nanoseconds before = 0;
+    for (int k = 0; k < 400; ++k) {
+      rig.run(1e-3);
+      if (rig.tool(0).number == number) continue;
+      number = rig.tool(0).number;
+      const Nanoseconds t = rig.tool(0).t_ns;
+      if (before != 0) {
+        EXPECT_NEAR(static_cast<double>(t - before), 1e9 / 60, 2e4) << delay;  // however late
+      }
+      before = t;
+    }
+  }
+}
+
+TEST(SimNdi, ANetworkedTrackerWithoutBx2IsPolledWithBx) {
+  Polaris rig({"0A"}, on_network());
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+  EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+}
+
+TEST(SimNdi, HiddenAndFarToolsInBx2) {
+  Polaris rig({"0A", "0B"}, on_network());
+  rig.sim().set_bx2(true);
+  ASSERT_TRUE(rig.track()) << rig.tracker->report().text.data();
+  rig.far->faults.missing[0] = true;
+  rig.far->faults.out_of_volume[1] = true;
+  rig.run(0.3);
+  EXPECT_EQ(rig.tool(0).state, ToolState::missing);
+  EXPECT_EQ(rig.tool(1).state, ToolState::out_of_volume);
+  rig.far->faults = {};
+  rig.far->faults.disabled[1] = true;
+  rig.run(0.3);
+  EXPECT_EQ(rig.tool(0).state, ToolState::valid);
+  EXPECT_EQ(rig.tool(1).state, ToolState::disabled);
+}
+
+TEST(SimNdi, BrokenBytesOfBx2AreRefused) {
+  ndi::PoseReply reply;
+  reply.num_handles = 2;
+  reply.t_ns = sim_ndi_clock_ns;
+  reply.handles[0] = {
+      .handle = 1, .status = ndi::HandleStatus::valid, .X_TH = here, .error_m = 3e-4, .frame = 7};
+  reply.handles[1] = {.handle = 2, .status = ndi::HandleStatus::missing, .X_TH = {}, .frame = 7};
+  std::array<std::uint8_t, 512> wire{};
+  const auto made = make_bx2_reply(reply, wire);
+  ndi::ReplyReceiver receiver;
+  auto event = ndi::ReplyReceiver::Event::more;
+  for (const std::uint8_t byte : made) event = receiver.push(byte);
+  ASSERT_EQ(event, ndi::ReplyReceiver::Event::binary);
+  const std::vector<std::uint8_t> body(receiver.content().begin(), receiver.content().end());
+  ndi::PoseReply parsed;
+  ASSERT_EQ(ndi::parse_bx2(body, parsed), ParseResult::ok);
+  EXPECT_EQ(parsed.t_ns, reply.t_ns);
+  ASSERT_EQ(parsed.num_handles, 2u);
+  EXPECT_EQ(parsed.handles[0].frame, 7u);
+  EXPECT_LT((parsed.handles[0].X_TH.p - here.p).norm(), 1e-6);
+  EXPECT_EQ(parsed.handles[1].status, ndi::HandleStatus::missing);
+  for (std::size_t size = 0; size < body.size(); ++size)
+    EXPECT_NE(ndi::parse_bx2(std::span(body).first(size), parsed), ParseResult::ok) << size;
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::vector<std::uint8_t> broken = body;
+    for (int k = 0; k < 3; ++k)
+      broken[random() % broken.size()] ^= static_cast<std::uint8_t>(1u << random() % 8);
+    if (ndi::parse_bx2(broken, parsed) != ParseResult::ok) continue;
+    for (const ndi::HandlePose& pose : parsed.all())
+      if (pose.status == ndi::HandleStatus::valid) {
+        ASSERT_NEAR(pose.X_TH.q.norm(), 1, 1e-6);
+      }
+  }
 }
 
 TEST(SimNdi, AToolIsMissingAndTheOtherIsNot) {
