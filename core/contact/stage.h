@@ -154,11 +154,11 @@ void update_modes(ContactPack& c, Pass next, Real F_small, ContactResidual& resi
 }
 
 /// Selects the modes of the first iteration, at the normal forces predicted by c.F and the velocities of the
-/// contact points.
+/// contact points. A previous solve of the stage (47) may leave forces that pull: their friction would drive.
 template <bool tangents, class Velocity>
 void predict(ContactPack& c, const Velocity& V) noexcept {
   move(c, V);
-  const Pack F_n = c.n.dot(c.F);
+  const Pack F_n = max(c.n.dot(c.F), Pack(0));
   const Vector3<Pack> s = c.v - c.n * c.n.dot(c.v) + c.v_xi;
   const Pack speed = speed_of(s);
   c.active = mode_of(F_n);
