@@ -13,10 +13,12 @@
 // and the momenta of each body with its net then hold:
 //
 //   (45)  V+ = s V + (c, 0)  with  V+^T r = 0,  r of bodies = 0
+//
+// Nets that touch the world alone are corrected as bodies are, in their translation (standing.h).
 #pragma once
 
 #include "core/net/drifting.h"
-#include "core/net/incomplete_factor.h"
+#include "core/net/standing.h"
 #include "core/system/conjugate_gradients.h"
 
 namespace godobject {
@@ -177,7 +179,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   });
   solve(system.bodies, x.Ap.bodies, c_1);
   system.bodies.each([&](std::uint32_t u) noexcept { along_c_1.add(x.p[u], c_1[u]); });
-  // correction of nets in free flight
+  // correction of nets in free flight, and of standing ones
   auto& net = system.net;
   if constexpr (Stage::has_faces) {
     keep_drifts(system, x);
@@ -185,11 +187,13 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
       along_c_1.add(b.nodes[n] - x.r.nodes[n], net.faces.drift[n]);
     });
   }
-  each_floating(net, [&](const NodeRow& nodes, RowStage& of) noexcept {
-    if (!of.flies) return;
+  each_corrected(net, [&](const NodeRow& nodes, RowStage& of) noexcept {
     const auto A_V = [&](std::uint32_t n) noexcept { return b.nodes[n] - x.r.nodes[n]; };
-    of.delta = rigid_motion(nodes, of.masses, net.p, [&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
-    of.c_1 = rigid_motion(nodes, of.masses, net.p, A_V);
+    const auto motion = [&](auto J) noexcept {
+      return of.stands ? common_motion(nodes, of, J) : rigid_motion(nodes, of.masses, net.p, J);
+    };
+    of.delta = motion([&](std::uint32_t n) noexcept { return x.r.nodes[n]; });
+    of.c_1 = motion(A_V);
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n) {
       const Column r = net.p[n] - of.masses.c;
       along_delta.add(A_V(n), shifted(of.delta, r).v);
@@ -211,8 +215,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   if constexpr (Stage::has_faces)
     each_drifting(net, net.faces.active_group,
                   [&](std::uint32_t n, std::uint32_t) noexcept { x.V.nodes[n] -= net.faces.drift[n] * s_1; });
-  each_floating(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
-    if (!of.flies) return;
+  each_corrected(net, [&](const NodeRow& nodes, const RowStage& of) noexcept {
     const SpatialVector c = of.delta - of.c_1 * s_1;
     for (std::uint32_t n = nodes.first; n < nodes.end; ++n)
       x.V.nodes[n] += shifted(c, net.p[n] - of.masses.c).v;

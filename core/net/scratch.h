@@ -139,9 +139,9 @@ struct SlotMass {
 
 /// Weighted sums of nodes about their centre, for their rigid motion.
 struct RigidFit {
-  Column c;         // centre, m
-  Real size = 0;    // sum of the weights
-  Block J_inverse;  // inverse of J in (57), the moment of inertia about the centre
+  Column c{Pack(0)};  // centre, m
+  Real size = 0;      // sum of the weights
+  Block J_inverse;    // inverse of J in (57), the moment of inertia about the centre
 };
 
 /// A row of nodes in a stage.
@@ -150,6 +150,8 @@ struct RowStage {
   RigidFit dampers, masses;
   bool flies = false;        // nothing touches it
   bool is_free = false;      // true if it has no carrier and no anchor with stiffness
+  bool stands = false;       // nothing but the world acts on it (standing.h)
+  Block E, E_inverse;        // E of (44) of its translation, if it stands
   SpatialVector delta, c_1;  // corrections of (45), about the centre of the masses
 };
 

@@ -345,6 +345,7 @@ void load_nodes(Real h, bool first, BodyContactScratch<Contacts, N>& w) noexcept
   if (first) predict_friction(h, net);  // changes eta_t only
   remove_contacts_from_factor(net);
   gather_net_contacts(h, net);
+  find_standing(net);
   add_contacts_to_factor(net);
   load_impulses(w);
   load_carrier_relative(w);

@@ -1,5 +1,5 @@
-// Light nets on tools thrown on the floor, their iterations cut off after one to three. With stiff springs p^T
-// A p is below its rounding at times, and must not produce velocities. No net gains energy.
+// Light nets on tools thrown on the floor, their iterations cut off after one to three. With stiff springs
+// p^T A p is below its rounding at times, and must not produce velocities. No net gains energy.
 #include <gtest/gtest.h>
 
 #include <cstdio>
