@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/body/coupling.h"
+#include "core/counted_errors.h"
 #include "core/device/device.h"
 #include "core/scene.h"
 #include "core/term/term.h"
@@ -63,19 +64,25 @@ struct CouplingAt {
   Wrench F_WB;          // wrench (2)
   Real energy = 0;      // energy in its spring, J
 };
-template <Scene S>
-CouplingAt coupling_at(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+/// errors: those of the state, from coupling_errors().
+template <Scene S, class Errors>
+CouplingAt coupling_at(const Params<S>& par, const State<S>& x, std::size_t i,
+                       const Errors& errors) noexcept {
   const BodyState<S>& body = x.bodies[i];
   const Target& target = body.device.last;
   const SpringParams spring = ramped(par.bodies[i].coupling, body.device.ramp.s);
   const Quat& q = body.x.X_WB.q;
-  const Vec3 phi_B = rotation_error(q, target.X_WD.q, body.coupling.phi_B).phi_B;
+  const CouplingError error = errors[i];
   const Vec3 e_W = target.X_WD.p - body.x.X_WB.p;
   return {.spring = spring,
           .F_WB = {.tau = spring.g_r * (target.V_WD.w - to_world(q, body.x.w_B)) +
-                          spring.k_r * to_world(q, phi_B),
+                          spring.k_r * to_world(q, error.phi_B),
                    .f = spring.g * (target.V_WD.v - body.x.v_W) + spring.k * e_W},
-          .energy = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm())};
+          .energy = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * error.twice_energy)};
+}
+template <Scene S>
+CouplingAt coupling_at(const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+  return coupling_at(par, x, i, coupling_errors(par, x));
 }
 
 }  // namespace godobject

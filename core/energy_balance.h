@@ -31,8 +31,9 @@ class EnergyBalance {
   /// Starts the balance with the state before the first step.
   void start(const Params<S>& par, const State<S>& x) noexcept {
     *this = {};
+    const auto errors = errors_of(par, x);
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      last_[i] = coupled(par, x, i);
+      last_[i] = coupled(par, x, i, errors);
       energy_ += last_[i].energy;
     }
     gravity_ = gravity_energy(par, x);
@@ -45,10 +46,11 @@ class EnergyBalance {
     const Real T = kinetic(par, x), gravity = gravity_energy(par, x), of_nets = net_springs(par, x);
     Real U = gravity + (other_springs(par, x) + of_nets), W = 0,
          floor = gain_floor + net_gain_floor * of_nets;
+    const auto errors = errors_of(par, x), moved = errors_of(par, x, last_.data());
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       const RigidBodyState& body = x.bodies[i].x;
-      const Coupled now = coupled(par, x, i);
-      if (now.pulls || last_[i].pulls) W += coupling_work(par, x, w, i, now);
+      const Coupled now = coupled(par, x, i, errors);
+      if (now.pulls || last_[i].pulls) W += coupling_work(par, x, w, i, now, moved);
       U += now.energy;
       last_[i] = now;
       if constexpr (uses<typename S::Device>) {
@@ -104,11 +106,26 @@ class EnergyBalance {
     Real s = 0;  // ramp of the coupling at the end of the step, 0 to 1
   };
 
-  static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i) noexcept {
+  /// Returns the errors of all couplings, at the poses of the state or of `last`. Empty without couplings.
+  static auto errors_of([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
+                        [[maybe_unused]] const Coupled* last = nullptr) noexcept {
+    if constexpr (uses<typename S::Coupling>) {
+      const auto pose = [&x, last](std::size_t i) -> const Quat& {
+        return last != nullptr ? last[i].X_WB.q : x.bodies[i].x.X_WB.q;
+      };
+      const auto target = [&x](std::size_t i) -> const Quat& { return x.bodies[i].device.last.X_WD.q; };
+      return coupling_errors(par, x, pose, target);
+    } else {
+      return Empty{};
+    }
+  }
+
+  static Coupled coupled([[maybe_unused]] const Params<S>& par, const State<S>& x, std::size_t i,
+                         [[maybe_unused]] const auto& errors) noexcept {
     if constexpr (uses<typename S::Coupling>) {
       const BodyState<S>& body = x.bodies[i];
       if (godobject::pulls(par.bodies[i].coupling))
-        return {coupling_at(par, x, i), true, body.x.X_WB, body.device.last, body.device.ramp.s};
+        return {coupling_at(par, x, i, errors), true, body.x.X_WB, body.device.last, body.device.ramp.s};
     }
     return {};
   }
@@ -139,9 +156,10 @@ class EnergyBalance {
     return -par.gravity_W.dot(mp_W);
   }
 
-  /// Returns the work of the coupling's target and of the ramp, J.
+  /// Returns the work of the coupling's target and of the ramp, J. moved: errors of the targets after their
+  /// motion, of the bodies before.
   Real coupling_work(const Params<S>& par, const State<S>& x, const Scratch<S>& w, std::size_t i,
-                     const Coupled& now) const noexcept {
+                     const Coupled& now, [[maybe_unused]] const auto& moved) const noexcept {
     if constexpr (uses<typename S::Coupling>) {
       const BodyState<S>& body = x.bodies[i];
       const Target& D = now.target;
@@ -150,21 +168,20 @@ class EnergyBalance {
       const Vec3 v_W = body.x.v_W, w_W = to_world(body.x.X_WB.q, body.x.w_B);
       // The target is moved before the body. The damper acts at the sample's velocity or at the mean velocity
       // of the target's way, and the larger work counts.
-      const Vec3 phi_B = rotation_error(last.X_WB.q, D.X_WD.q, body.coupling.phi_B).phi_B;
       const Vec3 e_W = D.X_WD.p - last.X_WB.p;
-      const Vec3 moved = D.X_WD.p - last.target.X_WD.p;
+      const Vec3 shift = D.X_WD.p - last.target.X_WD.p;
       const Vec3 turned =
           to_world(last.target.X_WD.q, rotation_error(last.target.X_WD.q, D.X_WD.q, Vec3::Zero()).phi_B);
       const auto damped = [&](const Vec3& v_D, const Vec3& w_D) noexcept {
         return par.h * (spring.g * (v_D - v_W).dot(v_D) + spring.g_r * (w_D - w_W).dot(w_D));
       };
-      Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * phi_B.squaredNorm()) - last.energy;
-      W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(moved * (1 / par.h), turned * (1 / par.h)));
+      Real W = Real(0.5) * (spring.k * e_W.squaredNorm() + spring.k_r * moved[i].twice_energy) - last.energy;
+      W += std::max(damped(D.V_WD.v, D.V_WD.w), damped(shift * (1 / par.h), turned * (1 / par.h)));
       if (w.coupling_inputs[i].fresh || !(now.s > 0)) return W;
       // or both together, by the mean of the forces
       const Wrench &F = now.F_WB, &F_0 = last.F_WB;
       const Real share = last.s / now.s;
-      return std::max(W, Real(0.5) * ((F.f + F_0.f).dot(moved) + (F.tau + F_0.tau).dot(turned)) +
+      return std::max(W, Real(0.5) * ((F.f + F_0.f).dot(shift) + (F.tau + F_0.tau).dot(turned)) +
                              now.energy * (1 - share * share));
     }
     return 0;

@@ -58,8 +58,9 @@ class Hash {
   void add(const JointStops::State& x) noexcept {
     // the part within a turn follows from the poses
     const Real first = whole_turns(x.q[0]), second = whole_turns(x.q[1]);
-    if (first == 0 && second == 0) return;
-    add(first, second);
+    if (x.turns_ahead != JointCoordinates::Zero())
+      return add(first, second, x.turns_ahead[0], x.turns_ahead[1]);
+    if (first != 0 || second != 0) add(first, second);
   }
   void add(const PrescribedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})

@@ -189,6 +189,51 @@ void recall_errors(const GroupIn<S>& group, const State<S>& x, Next<S>& next) no
         gathered(group, [&](std::size_t i) -> const Vec3& { return x.bodies[i].coupling.phi_B; });
 }
 
+/// Errors of a stage, for TurnCounter.
+template <Scene S, class TargetOfGroup>
+struct StageErrors {
+  const Params<S>& par;
+  const TargetOfGroup& target_of;
+  Scratch<S>& w;
+
+  Quat q_WB(std::size_t i) const noexcept { return lane(w.bases[i / lanes<S>].X_WB.q, i % lanes<S>); }
+  Quat q_WD(std::size_t i) const noexcept { return lane(target_of(i / lanes<S>).X_WD.q, i % lanes<S>); }
+  Vec3 phi(std::size_t i) const noexcept { return lane(w.next[i / lanes<S>].coupling.phi_B, i % lanes<S>); }
+  Vec3 before(std::size_t i) const noexcept {
+    if (w.coupling_inputs[i].fresh) return Vec3::Zero();
+    return lane(w.errors.before[i / lanes<S>], i % lanes<S>);
+  }
+  JointCoordinates& turns(std::size_t i) const noexcept { return w.errors.turns[i]; }
+  bool is_coupled(std::size_t i) const noexcept {
+    return par.bodies[i].coupling.k_r > 0 && w.coupling_inputs[i].ramp.engaged;
+  }
+  void set_phi(std::size_t i, const Vec3& phi_B) const noexcept {
+    set_lane(w.next[i / lanes<S>].coupling.phi_B, i % lanes<S>, phi_B);
+  }
+};
+
+/// Counts the turns of the errors of group g and returns their contribution (16). error: short errors,
+/// replaced by those on the sides of their parents'.
+template <Scene S, class TargetOfGroup>
+[[gnu::noinline]] Vector3<Lanes<S>> count_turns(const Params<S>& par, std::size_t g,
+                                                const TargetOfGroup& target_of,
+                                                RotationErrorOf<Lanes<S>>& error, Scratch<S>& w) noexcept {
+  using T = Lanes<S>;
+  TurnCounter<S, StageErrors<S, TargetOfGroup>> counter(par, {par, target_of, w});
+  Vector3<T> turns_B = Vector3<T>::Zero();
+  for (std::size_t j = 0; j < lanes<S> && g * lanes<S> + j < num_bodies(par); ++j) {
+    const std::size_t i = g * lanes<S> + j;
+    counter.count(i);
+    w.errors.has_turns |= w.errors.turns[i] != JointCoordinates::Zero();
+    const Vec3 phi_B = lane(w.next[g].coupling.phi_B, j);
+    // the curvature (11) of the long way round is negative, and would add energy
+    if (phi_B != lane(error.phi_B, j)) set_lane(error.curvature, j, 0);
+    set_lane(error.phi_B, j, phi_B);
+    set_lane(turns_B, j, counter.counted(i).turns_B);
+  }
+  return turns_B;
+}
+
 /// Solves (10) and (11), linearised once, for every body over a time h from w.bases. target_of(g): targets of
 /// group g at the end of the stage. w.next: attitude errors of the previous stage, replaced by those of this
 /// one.
@@ -213,6 +258,7 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     SpringParamsOf<T> spring;
     Vector3<T> e_W = Vector3<T>::Zero(), v_D = Vector3<T>::Zero(), w_D_B = Vector3<T>::Zero();
     RotationErrorOf<T> error;
+    [[maybe_unused]] std::conditional_t<counts_errors<S>, Vector3<T>, Absent<0>> turns_B;
     if constexpr (uses<typename S::Coupling>) {
       const TargetOf<T>& target = target_of(g);
       spring = gathered(
@@ -220,14 +266,25 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
       e_W = target.X_WD.p - base.X_WB.p;
       v_D = target.V_WD.v;
       w_D_B = to_body<T>(base.X_WB.q, target.V_WD.w);
+      if constexpr (counts_errors<S>) w.errors.before[g] = w.next[g].coupling.phi_B;
       error = rotation_error<T>(base.X_WB.q, target.X_WD.q, w.next[g].coupling.phi_B);
       w.next[g].coupling.phi_B = error.phi_B;
+      if constexpr (counts_errors<S>) {
+        w.errors.are_large = (g == 0 ? w.errors.has_turns : w.errors.are_large) ||
+                             any(error.phi_B.squaredNorm() > large_error_sq);
+        if (w.errors.are_large) [[unlikely]]
+          turns_B = count_turns(par, g, target_of, error, w);
+      }
     }
 
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
     const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // force at the start of the stage
-    const RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
+    RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
+    if constexpr (counts_errors<S>) {
+      if (w.errors.are_large) [[unlikely]]
+        add_turns<T>(spring, turns_B, h, rotation);
+    }
     constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
     const auto point = [&]() noexcept -> decltype(auto) {
       if constexpr (which != Solve::again) return (base);
@@ -277,11 +334,21 @@ void prescribe_forces(const Params<S>& par, Real s, Scratch<S>& w) noexcept {
   }
 }
 
-/// Copies the joint coordinates at the start of the step.
+/// Copies the joint coordinates at the start of the step, and the turns by which targets lead them. Engaging
+/// begins on the nearest turn.
 template <Scene S>
 void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
   if constexpr (counts_turns<S>) {
     for (std::size_t i = 0; i < num_bodies(par); ++i) w.tree.q[i] = x.bodies[i].joint.q;
+  }
+  if constexpr (counts_errors<S>) {
+    w.errors.has_turns = false;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) {
+      JointCoordinates& turns = w.errors.turns[i];
+      turns = x.bodies[i].joint.turns_ahead;
+      if (w.coupling_inputs[i].fresh) turns.setZero();
+      w.errors.has_turns |= turns != JointCoordinates::Zero();
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/body/lanes.h"
+#include "core/counted_errors.h"
 #include "core/device/device.h"
 #include "core/joint/tree.h"
 #include "core/scene.h"
@@ -110,6 +111,15 @@ struct Iteration {
   bool subdivides = false;  // true if a stage of the step was subdivided
 };
 
+/// Turns of the attitude errors of a stage (16).
+template <class S>
+struct ErrorsInStage {
+  std::array<Vector3<Lanes<S>>, max_groups<S>> before;  // phi of the previous solve
+  std::array<JointCoordinates, S::max_bodies> turns;    // JointStops::State::turns_ahead
+  bool has_turns = false;                               // true if turns are not zero, or were in this step
+  bool are_large = false;  // true if errors so far in this solve may need counting
+};
+
 /// Nodes of nets at the start and the end of a stage.
 template <class S>
 struct NetMotions {
@@ -135,6 +145,7 @@ struct Scratch {
                                            Absent<6>>
       prescribed;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ExpectedTurns<S>, Absent<17>> turns;
+  [[no_unique_address]] std::conditional_t<counts_errors<S>, ErrorsInStage<S>, Absent<34>> errors;
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
                                            Absent<18>>

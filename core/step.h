@@ -55,11 +55,11 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
   return is_finite(all);
 }
 
-/// Returns the feedback (8) at the end of the step, scaled by the ramp.
+/// Returns the feedback (8) at the end of the step, scaled by the ramp. phi_B: attitude error (16).
 template <class S>
-Wrench feedback(const BodyParams<S>& par, const CouplingInput& input, const BodyState<S>& body) noexcept {
-  const RotationError error = rotation_error(body.x.X_WB.q, input.to.X_WD.q, body.coupling.phi_B);
-  return S::Feedback::wrench(ramped(par.feedback.gains, input.ramp.s), body.x, input.to, error.phi_B);
+Wrench feedback(const BodyParams<S>& par, const CouplingInput& input, const BodyState<S>& body,
+                const Vec3& phi_B) noexcept {
+  return S::Feedback::wrench(ramped(par.feedback.gains, input.ramp.s), body.x, input.to, phi_B);
 }
 
 /// Moves feedback of links without a motor to their parents (9), from the leaves up. The origin of a device
@@ -105,6 +105,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Device>) x.bodies[i].device = state_after(w.coupling_inputs[i]);
     if constexpr (prescribes<S>) x.bodies[i].joint.last = w.prescribed[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
+    if constexpr (counts_errors<S>) x.bodies[i].joint.turns_ahead = w.errors.turns[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
     if constexpr (has_stages<S>) x.bodies[i].contact.F_W = w.contacts.wrenches[i];
   }
@@ -171,9 +172,12 @@ GODOBJECT_FLATTEN void step(const Params<S>& par, const Input<S>& in, State<S>& 
 
   // feedback: (8), moved to driven links (9), bounded
   if constexpr (uses<typename S::Feedback>) {
+    const auto errors = coupling_errors<S>(
+        par, x, [&x](std::size_t i) -> const Quat& { return x.bodies[i].x.X_WB.q; },
+        [&w](std::size_t i) -> const Quat& { return w.coupling_inputs[i].to.X_WD.q; });
     const auto wanted = [&](std::size_t i) noexcept {
       const bool live = !any(out.fault) && w.coupling_inputs[i].live;
-      return live ? feedback(par.bodies[i], w.coupling_inputs[i], x.bodies[i]) : Wrench{};
+      return live ? feedback(par.bodies[i], w.coupling_inputs[i], x.bodies[i], errors[i].phi_B) : Wrench{};
     };
     const auto show = [&](std::size_t i, const Wrench& F) noexcept {
       constexpr Gap none{};

@@ -27,6 +27,11 @@ inline constexpr Real max_swing_change = 0.5;
 /// (docs/theory/stage.md). No sweep.
 inline constexpr Real half_turn_band = 0.05;
 
+/// Share of a rotation that must be about the axes of a joint, as cos^2 of half the rest: 120 degrees.
+/// Beyond, an error has no twist about them whose turns could be counted (16). A flip to the other side then
+/// counts if its axis is within 60 degrees of the joint's. tests/core/joint/test_wound_targets.cc.
+inline constexpr Real min_twist_share = 0.25;
+
 /// Rotation of a body in a step, and of its angular velocity, rad, above which implicit Euler stages are
 /// taken, because linear extrapolation fails. tests/core/test_stability.cc; docs/decisions/045.
 inline constexpr Real max_extrapolated_turn = 0.25;

@@ -92,6 +92,16 @@ RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const Sp
   return system;
 }
 
+/// Adds the torque k_r turns_B of counted turns (16) to the system. Its axis lies midway between those of
+/// body and target, so its derivative is skew, as the [phi]x / 2 of (11).
+template <class T>
+void add_turns(const SpringParamsOf<T>& spring, const Vector3<T>& turns_B, Real h,
+               RotationSystemOf<T>& system) noexcept {
+  const Vector3<T> impulse = T(h * spring.k_r) * turns_B;
+  system.A_B += skew<T>(T(Real(-0.5) * h) * impulse);
+  system.b_B += impulse;
+}
+
 /// Returns the axial vector of the skew part of A.
 template <class T>
 Vector3<T> skew_part(const Matrix3<T>& A) noexcept {
