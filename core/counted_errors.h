@@ -1,7 +1,7 @@
 // Attitude errors (16) of bodies on joints, with the whole turns by which targets lead their bodies.
 //
-// The short error phi changes sides at half a turn. If it does so about an axis a of a joint, the joint's
-// count n changes by one. The error of the joint's child and of all its descendants is
+// The short error phi of a body changes sides at half a turn. If it does so about an axis a of a joint
+// between the body and the world, the body's count n of that axis changes by one. The error is then
 //
 //   (16)  phi + sum 2 pi n grad t,  t: twist of q_BD about a
 //
@@ -12,10 +12,6 @@
 #include "core/joint_stage.h"
 
 namespace godobject {
-
-/// True if couplings act on bodies whose joints count their turns.
-template <class S>
-inline constexpr bool counts_errors = counts_turns<S>&& uses<typename S::Coupling>;
 
 /// Axes of a joint's rotations, world axes.
 struct TurnAxes {
@@ -59,84 +55,104 @@ struct CountedTurns {
 };
 
 /// Counts whole turns of errors. Errors has attitudes q_WB(i) of bodies and q_WD(i) of targets, errors phi(i)
-/// and before(i), counts turns(i) by joint coordinate, and is_coupled(i).
+/// and before(i), turns(i), and is_coupled(i).
+///
+/// A body's path is its joint and those before it, up to the world or to a body whose own turns are not
+/// counted: a free one, or one on a ball joint. The error of that body is the reference of the others.
 template <Scene S, class Errors>
 class TurnCounter {
  public:
   TurnCounter(const Params<S>& par, Errors errors) noexcept : par_(par), errors_(errors) {}
 
-  /// Updates the side of the error of body i, and the counts of its joint. Parents before children.
+  /// Updates the turns of body i, and the side of its error, after those of its ancestors.
   void count(std::size_t i) noexcept {
-    const JointParams& joint = par_.bodies[i].joint;
-    JointCoordinates& turns = errors_.turns(i);
-    if (joint.kind == JointKind::free || !errors_.is_coupled(i)) {
-      turns.setZero();
+    auto& turns = errors_.turns(i);
+    if (!errors_.is_coupled(i) || end_of_path(i) == i) {
+      turns = {};
       return;
     }
-    const std::size_t p = joint.parent;
-    const bool has_error = p != world && errors_.is_coupled(p);  // of the parent
-    const Quat q_WB = errors_.q_WB(i), q_WP = attitude(p);
-    const Quat q_BP = q_WB.conjugate() * q_WP;
-    Quat q_BD = q_WB.conjugate() * errors_.q_WD(i);  // of the joint, without the parent's error
-    Vec3 phi_P = Vec3::Zero(), before = errors_.before(i);
-    if (has_error) {
-      phi_P = to_world(q_BP, errors_.phi(p));
-      before -= to_world(q_BP, errors_.before(p));
-      q_BD = q_BP * (errors_.q_WD(p).conjugate() * q_WP) * q_BP.conjugate() * q_BD;
-      errors_.set_phi(i, on_side_of(phi_P, before, errors_.phi(i)));
+    if (!turns.any) turns = {};
+    const std::size_t r = end_of_path(i);
+    const Quat q_WB = errors_.q_WB(i);
+    Quat q_BD = q_WB.conjugate() * errors_.q_WD(i);  // against the reference
+    Vec3 phi_R = Vec3::Zero(), before = errors_.before(i);
+    if (r != world && errors_.is_coupled(r)) {
+      const Quat q_BR = q_WB.conjugate() * errors_.q_WB(r);
+      phi_R = to_world(q_BR, errors_.phi(r));
+      before -= to_world(q_BR, errors_.before(r));
+      q_BD = q_BR * (errors_.q_WD(r).conjugate() * errors_.q_WB(r)) * q_BR.conjugate() * q_BD;
+      errors_.set_phi(i, on_side_of(phi_R, before, errors_.phi(i)));
     }
-    const Vec3 jump = before - (errors_.phi(i) - phi_P);
-    const TurnAxes axes = turn_axes(joint, q_WP, q_WB);
-    std::array<Real, 2> along{};
-    Real share = q_BD.w() * q_BD.w();
-    for (std::size_t c = 0; c < axes.size; ++c) {
-      const Vec3 a_B = to_body(q_WB, axes.a_W[c]);
-      along[c] = a_B.dot(jump);
-      share += a_B.dot(q_BD.vec()) * a_B.dot(q_BD.vec());
-    }
-    const std::size_t c = std::abs(along[1]) > std::abs(along[0]) ? 1 : 0;
-    turns[static_cast<Eigen::Index>(c)] += whole_turns(along[c]);
-    if (share < min_twist_share) turns.setZero();
+    const Vec3 jump = before - (errors_.phi(i) - phi_R);
+    Real most = pi;
+    std::int16_t* counted = nullptr;
+    Real change = 0;
+    turns.any = false;
+    each_axis(i, [&](std::size_t j, std::size_t c, const Vec3& a_B, bool) noexcept {
+      std::int16_t& n = turns.about[j][c];
+      const Real along = a_B.dot(q_BD.vec());
+      if (q_BD.w() * q_BD.w() + along * along < min_twist_share) n = 0;
+      else if (std::abs(a_B.dot(jump)) > most) {
+        counted = &n;
+        change = whole_turns(a_B.dot(jump));
+        most = std::abs(a_B.dot(jump));
+      }
+      turns.any |= n != 0;
+    });
+    if (counted == nullptr) return;
+    *counted = static_cast<std::int16_t>(*counted + std::clamp(change, Real(-1), Real(1)));
+    turns.any |= *counted != 0;
   }
 
-  /// Returns the contribution of the turns of the joint of body i and of its ancestors' joints.
+  /// Returns the contribution of the turns of body i.
   CountedTurns counted(std::size_t i) const noexcept {
     CountedTurns sum;
+    const auto& turns = errors_.turns(i);
+    if (!turns.any) return sum;
     Vec3 all_B = Vec3::Zero();
-    const Quat q_WB = errors_.q_WB(i), q_BD = q_WB.conjugate() * errors_.q_WD(i);
-    for (std::size_t j = i; j != world && errors_.is_coupled(j); j = par_.bodies[j].joint.parent) {
-      const JointParams& joint = par_.bodies[j].joint;
-      if (joint.kind == JointKind::free) break;
-      const JointCoordinates& turns = errors_.turns(j);
-      if (turns == JointCoordinates::Zero()) continue;
-      const TurnAxes axes = turn_axes(joint, attitude(joint.parent), attitude(j));
-      for (std::size_t c = 0; c < axes.size; ++c) {
-        const Real angle = 2 * pi * turns[static_cast<Eigen::Index>(c)];
-        const Vec3 a_B = to_body(q_WB, axes.a_W[c]);
-        const TwistAngle twist = twist_angle(q_BD, a_B, errors_.phi(i), j == i && c + 1 == axes.size);
-        sum.turns_B += angle * twist.grad_B;
-        sum.energy += angle * twist.angle;
-        all_B += angle * a_B;
-      }
-    }
+    const Quat q_BD = errors_.q_WB(i).conjugate() * errors_.q_WD(i);
+    each_axis(i, [&](std::size_t j, std::size_t c, const Vec3& a_B, bool is_on_body) noexcept {
+      const Real angle = 2 * pi * static_cast<Real>(turns.about[j][c]);
+      const TwistAngle twist = twist_angle(q_BD, a_B, errors_.phi(i), is_on_body);
+      sum.turns_B += angle * twist.grad_B;
+      sum.energy += angle * twist.angle;
+      all_B += angle * a_B;
+    });
     sum.energy += Real(0.5) * all_B.squaredNorm();
     return sum;
   }
 
  private:
-  /// Returns the attitude of body i or the world.
-  Quat attitude(std::size_t i) const noexcept {
-    if (i == world) return Quat::Identity();
-    return errors_.q_WB(i);
+  /// Returns the number of the body at the end of the path of body i.
+  std::size_t end_of_path(std::size_t i) const noexcept {
+    while (i != world) {
+      const JointParams& joint = par_.bodies[i].joint;
+      if (joint.kind == JointKind::free || num_axes(joint.kind).turns == 3) return i;
+      i = joint.parent;
+    }
+    return i;
   }
 
-  /// Returns the error phi_B, or that of the other way round, whichever is nearer to the parent's error
-  /// phi_P. Their difference keeps its side near the half turn. before: previous difference.
-  static Vec3 on_side_of(const Vec3& phi_P, const Vec3& before, const Vec3& phi_B) noexcept {
+  /// Calls f(j, c, axis, axis turns with the body) for the rotations c of the joints j on the path of body i.
+  template <class F>
+  void each_axis(std::size_t i, F f) const noexcept {
+    const Quat q_WB = errors_.q_WB(i);
+    for (std::size_t j = i, end = end_of_path(i); j != end; j = par_.bodies[j].joint.parent) {
+      const JointParams& joint = par_.bodies[j].joint;
+      const Quat q_WP = joint.parent == world ? Quat(Quat::Identity()) : errors_.q_WB(joint.parent);
+      const TurnAxes axes = turn_axes(joint, q_WP, errors_.q_WB(j));
+      for (std::size_t c = 0; c < axes.size; ++c)
+        f(j, c, to_body(q_WB, axes.a_W[c]), j == i && c + 1 == axes.size);
+    }
+  }
+
+  /// Returns the error phi_B, or that of the other way round, whichever is nearer to the reference phi_R.
+  /// Their difference keeps its side near the half turn. before: previous difference.
+  static Vec3 on_side_of(const Vec3& phi_R, const Vec3& before, const Vec3& phi_B) noexcept {
     const Real angle = phi_B.norm();
     if (!(angle > 0)) return phi_B;
     const Vec3 u = phi_B * (1 / angle);
-    const Real beyond = u.dot(phi_B - phi_P);
+    const Real beyond = u.dot(phi_B - phi_R);
     const Real kept = whole_turns(beyond - u.dot(before));
     const bool keeps = std::abs(beyond - 2 * pi * kept) <= pi + 2 * half_turn_band;
     return phi_B - (2 * pi * (keeps ? kept : whole_turns(beyond))) * u;
@@ -178,9 +194,7 @@ class CountedErrors {
     bool are_large = false;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       errors_[i] = ShortErrors<S, AttitudeOfBody, TargetOfBody>{x, attitude_of, target_of}[i];
-      turns_[i] = x.bodies[i].joint.turns_ahead;
-      are_large =
-          are_large || errors_[i].twice_energy > large_error_sq || turns_[i] != JointCoordinates::Zero();
+      are_large = are_large || errors_[i].twice_energy > large_error_sq || x.bodies[i].turns.any;
     }
     if (are_large) [[unlikely]]
       count(par, x, attitude_of, target_of);
@@ -189,6 +203,8 @@ class CountedErrors {
   const CouplingError& operator[](std::size_t i) const noexcept { return errors_[i]; }
 
  private:
+  using AllTurns = std::array<TurnsAhead<S::max_bodies>, S::max_bodies>;
+
   template <class AttitudeOfBody, class TargetOfBody>
   [[gnu::noinline]] void count(const Params<S>& par, const State<S>& x, const AttitudeOfBody& attitude_of,
                                const TargetOfBody& target_of) noexcept {
@@ -196,6 +212,7 @@ class CountedErrors {
       const Params<S>& par;
       const State<S>& x;
       CountedErrors& all;
+      AllTurns& counts;
       const AttitudeOfBody& attitude_of;
       const TargetOfBody& target_of;
 
@@ -203,13 +220,15 @@ class CountedErrors {
       Quat q_WD(std::size_t i) const noexcept { return target_of(i); }
       Vec3 phi(std::size_t i) const noexcept { return all.errors_[i].phi_B; }
       Vec3 before(std::size_t i) const noexcept { return x.bodies[i].coupling.phi_B; }
-      JointCoordinates& turns(std::size_t i) const noexcept { return all.turns_[i]; }
+      auto& turns(std::size_t i) const noexcept { return counts[i]; }
       bool is_coupled(std::size_t i) const noexcept {
         return par.bodies[i].coupling.k_r > 0 && x.bodies[i].device.ramp.engaged;
       }
       void set_phi(std::size_t i, const Vec3& phi_B) const noexcept { all.errors_[i].phi_B = phi_B; }
     };
-    TurnCounter<S, Errors> counter(par, {par, x, *this, attitude_of, target_of});
+    AllTurns counts;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) counts[i] = x.bodies[i].turns;
+    TurnCounter<S, Errors> counter(par, {par, x, *this, counts, attitude_of, target_of});
     for (std::size_t i = 0; i < num_bodies(par); ++i) counter.count(i);
     std::array<CountedTurns, S::max_bodies> counted;
     for (std::size_t i = 0; i < num_bodies(par); ++i) counted[i] = counter.counted(i);
@@ -221,7 +240,6 @@ class CountedErrors {
   }
 
   std::array<CouplingError, S::max_bodies> errors_;
-  std::array<JointCoordinates, S::max_bodies> turns_;
 };
 
 /// Returns the errors (16) of a scene's couplings. x: state with the errors before. attitude_of(i),

@@ -56,12 +56,13 @@ struct NextMotions {
 
 /// Returns a bound of the counted turns in the error of body i (16), rad.
 template <Scene S>
-Real max_counted([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
-                 [[maybe_unused]] std::size_t i) noexcept {
+Real max_counted([[maybe_unused]] const State<S>& x, [[maybe_unused]] std::size_t i) noexcept {
   Real turns = 0;
-  if constexpr (counts_errors<S>)
-    for (std::size_t j = i; j != world; j = par.bodies[j].joint.parent)
-      turns += x.bodies[j].joint.turns_ahead.template lpNorm<1>();
+  if constexpr (counts_errors<S>) {
+    if (x.bodies[i].turns.any)
+      for (const auto& of_joint : x.bodies[i].turns.about)
+        for (const std::int16_t n : of_joint) turns += std::abs(static_cast<Real>(n));
+  }
   return 2 * pi * turns;
 }
 
@@ -83,7 +84,7 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
       const Real moved = (to.X_WD.p - from.X_WD.p).norm(), turned = angle(from.X_WD.q, to.X_WD.q),
                  v = to.V_WD.v.norm() + from.V_WD.v.norm(), w_D = to.V_WD.w.norm() + from.V_WD.w.norm(),
                  e = (to.X_WD.p - X_WB.p).norm() + moved + par.h * v,
-                 alpha = angle(X_WB.q, to.X_WD.q) + max_counted(par, x, i) + turned + par.h * w_D;
+                 alpha = angle(X_WB.q, to.X_WD.q) + max_counted(x, i) + turned + par.h * w_D;
       W += Real(0.5) * (spring.k * e * e + spring.k_r * alpha * alpha) +
            whole.energy(X_WB.p, v + moved / par.h, w_D + turned / par.h);
     }

@@ -23,8 +23,6 @@ struct JointStops {
   };
   struct State {
     JointCoordinates q = JointCoordinates::Zero();  // coordinates at the end of the last step, turns counted
-    // whole turns by which the target leads q, beyond the short attitude error (16)
-    JointCoordinates turns_ahead = JointCoordinates::Zero();
   };
 };
 

@@ -47,12 +47,6 @@ struct TreeJoints {
   };
 };
 
-/// True if joints of the scene may have stops. Their coordinates are then state, and turns are counted.
-template <class S>
-inline constexpr bool counts_turns = requires(const typename S::Joints::State& x) {
-  x.q;
-};
-
 /// Calls f(kind, motion) for joint i. motion(X): allowed motion at frames X, none for a prescribed joint.
 template <class Joints, class PrescribedCoordinates, class F>
 void with_motion(const typename Joints::Params& par,

@@ -1,5 +1,5 @@
-// Targets of bodies on joints are counted as the joints' coordinates are (16). A target turned beyond a stop by
-// any number of turns presses the body on it, and brings it back only with its own motion.
+// Targets of bodies on joints are counted as the joints' coordinates are (16). A target turned beyond a stop
+// by any number of turns presses the body on it, and brings it back only with its own motion.
 #include <iostream>
 
 #include "tests/core/joint/grasper_tool.h"
@@ -182,8 +182,8 @@ void expect_held(unsigned seed, int draws) {
     const Real side = t.end > 0 ? 1 : -1;
     const Real g_r = run->par.bodies[0].coupling.g_r;
     const Real I = turn.axis.dot(run->par.bodies[0].body.I_B * turn.axis);
-    // Statics at the largest torque, of spring and damper. The depth of arriving at the target's speed. The way
-    // of a step from rest under that torque, without the stop.
+    // Statics at the largest torque, of spring and damper. The depth of arriving at the target's speed.
+    // The way of a step from rest under that torque, without the stop.
     const Real largest = t.k_r * std::abs(t.over) + g_r * std::abs(t.rate);
     const Real inertia = I + t.h * g_r + t.h * t.h * t.k_r;
     const Real bound = t.depth(largest) + std::abs(t.rate) * (std::sqrt(I / t.k) + t.h) + t.width +
@@ -226,6 +226,134 @@ TYPED_TEST_SUITE(WoundTargets, BothIntegrators);
 TYPED_TEST(WoundTargets, PressOnTheStopOfASingleBody) { expect_held<Tool<TypeParam, 1>>(1, 60); }
 TYPED_TEST(WoundTargets, PressOnTheStopOfABodyInAPack) { expect_held<Tool<TypeParam, 3>>(2, 60); }
 TYPED_TEST(WoundTargets, PressOnTheStopOfABodyThatMayTouch) { expect_held<TouchingTool<TypeParam>>(3, 24); }
+
+/// A chain of two links. The first is wound against its stop, while the second bends about an axis at a slant
+/// from the plane across that of the first.
+template <class S>
+void expect_chain_held(unsigned seed, int draws, Real slant) {
+  Random random(seed);
+  Real jump = 0, rest = 0, back = 0, depth = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    Winding t = Winding::random(random);
+    t.is_stiff = false;
+    t.k = std::min(t.k, t.inertia / (t.h * t.h));
+    const Real k_r_2 = t.k_r * random.log_uniform(0.1, 1), bend = random.uniform(-1.5, 1.5);
+    auto run = std::make_unique<Wound<S>>();
+    run->par.h = t.h;
+    run->q_WS = random.rotation();
+    const Real around = random.uniform(0, 2 * pi);
+    const Vec3 axis_2(std::cos(slant) * std::cos(around), std::cos(slant) * std::sin(around),
+                      std::sin(slant));
+    run->R_2 = turn_from_z(axis_2).toRotationMatrix();
+    SCOPED_TRACE(testing::Message() << "draw " << draw << ' ' << t << " k_r_2 " << k_r_2 << " bend " << bend
+                                    << " axis " << axis_2.transpose());
+    run->add(0, all_turns[static_cast<std::size_t>(draw % 2)], t.inertia, t.k_r, t.zeta);
+    run->add(1, all_turns[0], random.uniform(0.1, 1) * t.inertia, k_r_2, t.zeta);
+    run->stop(0) = t.stop();
+    run->start();
+    const Real side = t.end > 0 ? 1 : -1;
+    const Real all = t.k_r + k_r_2, g_r = run->par.bodies[0].coupling.g_r + run->par.bodies[1].coupling.g_r;
+    const Real largest = all * std::abs(t.over) + g_r * (std::abs(t.rate) + std::abs(bend));
+    const Real bound = t.depth(largest) + std::abs(t.rate) * (std::sqrt(4 * t.inertia / t.k) + t.h) +
+                       t.width + t.h * t.h * largest / t.inertia;
+    std::array<Vec3, 2> last{Vec3::Zero(), Vec3::Zero()};
+    std::array<Real, 2> q_last{};
+    const auto follow = [&](Real rate, Real rate_2) {
+      run->follow({rate, rate_2});
+      depth = std::max(depth, side * (run->q(0) - t.end) / bound);
+      const Real moved = std::abs(run->q(0) - q_last[0]) + std::abs(run->q(1) - q_last[1]) +
+                         t.h * (std::abs(rate) + std::abs(rate_2));
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Vec3 tau = run->spring_torque(i) / run->par.bodies[i].coupling.k_r;
+        jump = std::max(jump, (tau - last[i]).norm() - (2 + tau.norm()) * moved);
+        last[i] = tau;
+        q_last[i] = run->q(i);
+      }
+    };
+    for (int n = 0; n < t.steps(); ++n) follow(t.rate, bend / (t.steps() * t.h));
+    for (int n = 0; n < 3 * t.steps_at_rest(); ++n) follow(0, 0);
+    const Real ahead = run->target[0] - run->q(0), ahead_2 = run->target[1] - run->q(1);
+    if (slant == 0) rest = std::max(rest, std::abs(run->spring_torque(1).z() / (k_r_2 * ahead) - 1));
+    // both turn about one axis: the second follows its target, whose turns are those of both
+    if (slant == pi / 2) rest = std::max(rest, std::abs(ahead + ahead_2));
+    for (int n = 0; n < t.steps(); ++n) follow(-t.rate, -bend / (t.steps() * t.h));
+    for (int n = 0; n < 3 * t.steps_at_rest(); ++n) follow(0, 0);
+    back = std::max({back, std::abs(run->q(0) - run->target[0]), std::abs(run->q(1) - run->target[1])});
+    EXPECT_FALSE(run->balance.gains());
+    ASSERT_LT(depth, 1);
+    // a side that is kept beyond the half turn changes at another axis
+    ASSERT_LT(jump, 2 * pi * half_turn_band);
+    ASSERT_LT(rest, 1e-6);
+    ASSERT_LT(back, 1e-3);
+  }
+  std::cout << S::Integrator::name << ", slant " << slant << ": depth " << depth
+            << " of its bound, jump of the torque / k_r " << jump << " rad, at rest " << rest << ", back to "
+            << back << " rad\n";
+}
+
+TYPED_TEST(WoundTargets, PressChainsAcross) {
+  expect_chain_held<Tool<TypeParam, 2>>(4, 30, 0);
+  expect_chain_held<Tool<TypeParam, 5>>(5, 30, 0);
+}
+TYPED_TEST(WoundTargets, PressChainsAlong) { expect_chain_held<Tool<TypeParam, 5>>(6, 30, pi / 2); }
+TYPED_TEST(WoundTargets, PressChainsAslant) { expect_chain_held<Tool<TypeParam, 5>>(7, 30, 0.7); }
+
+/// A tool wound by about two turns on its stop, with its scene turned by q_WS.
+template <class S>
+std::unique_ptr<Wound<S>> wound_tool(const Quat& q_WS = Quat::Identity()) {
+  auto run = std::make_unique<Wound<S>>();
+  run->q_WS = q_WS;
+  run->R_2 = turn_from_z(Vec3(1, 0.5, 0.2)).toRotationMatrix();
+  run->add(0, all_turns[0], 1e-3, 5, 1.4);
+  run->add(1, all_turns[0], 5e-4, 2, 1.4);
+  run->stop(0) = {.lower = -2.967, .upper = 2.967, .k = 200, .g = 0.01, .width = 0.02};
+  run->start();
+  for (int n = 0; n < 3000; ++n) run->follow({5, 0.2});
+  return run;
+}
+
+/// Turning the whole scene turns all poses, and changes nothing else.
+TYPED_TEST(WoundTargets, AreTheSameInATurnedScene) {
+  Random random(8);
+  const auto run = wound_tool<Tool<TypeParam, 5>>();
+  for (int draw = 0; draw < 4; ++draw) {
+    const auto turned = wound_tool<Tool<TypeParam, 5>>(random.rotation());
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_NEAR(turned->q(i), run->q(i), 1e-9);
+      EXPECT_LT((turned->spring_torque(i) - run->spring_torque(i)).norm(), 1e-8);
+    }
+    EXPECT_NEAR(turned->balance.energy(), run->balance.energy(), 1e-8 * run->balance.energy());
+  }
+}
+
+/// A device that engages again, at once or after a long gap, begins on the turn nearest to the body.
+TYPED_TEST(WoundTargets, BeginAnewWithTheDevice) {
+  for (const bool is_gap : {false, true}) {
+    auto run = wound_tool<Tool<TypeParam, 1>>();
+    ASSERT_NEAR(run->spring_torque(0).z() / 5, run->target[0] - run->q(0), 1e-9);
+    PoseDevice::Input& in = run->in.devices[0];
+    (is_gap ? in.valid : in.engaged) = false;
+    for (int n = 0; n < 100; ++n) run->step();
+    in.valid = in.engaged = true;
+    for (int n = 0; n < 3000; ++n) run->follow({0, 0});
+    const Real e = run->target[0] - run->q(0);
+    EXPECT_LE(std::abs(run->spring_torque(0).z() / 5), pi) << is_gap;
+    EXPECT_NEAR(unwrapped(e, run->spring_torque(0).z() / 5), run->spring_torque(0).z() / 5, 1e-9);
+    EXPECT_FALSE(run->x.bodies[0].turns.any);
+  }
+}
+
+/// States whose targets are a turn apart are different states.
+TYPED_TEST(WoundTargets, AreInTheHash) {
+  const auto run = wound_tool<Tool<TypeParam, 5>>();
+  const std::uint64_t hash = run->hash();
+  for (std::size_t j = 0; j < 2; ++j) {
+    run->x.bodies[1].turns.about[j][0] += 1;
+    EXPECT_NE(run->hash(), hash);
+    run->x.bodies[1].turns.about[j][0] -= 1;
+    EXPECT_EQ(run->hash(), hash);
+  }
+}
 
 }  // namespace
 }  // namespace godobject::test_wound_targets
