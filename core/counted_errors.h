@@ -1,7 +1,7 @@
 // Attitude errors (16) of bodies on joints, with the whole turns by which targets lead their bodies.
 //
-// The short error phi of a body changes sides at half a turn. If it does so about an axis a of a joint
-// between the body and the world, the body's count n of that axis changes by one. The error is then
+// The short error phi of a body changes sides at half a turn. A change about an axis a of its joint, or of
+// one of its ancestors' joints, changes the count n of that axis by one. The error is then
 //
 //   (16)  phi + sum 2 pi n grad t,  t: twist of q_BD about a
 //
@@ -57,8 +57,8 @@ struct CountedTurns {
 /// Counts whole turns of errors. Errors has attitudes q_WB(i) of bodies and q_WD(i) of targets, errors phi(i)
 /// and before(i), turns(i), and is_coupled(i).
 ///
-/// A body's path is its joint and those before it, up to the world or to a body whose own turns are not
-/// counted: a free one, or one on a ball joint. The error of that body is the reference of the others.
+/// A body's path is its joint and those before it, up to the world or to a body whose turns are not counted.
+/// Such a body is free or on a ball joint. Its error is the reference of the others.
 template <Scene S, class Errors>
 class TurnCounter {
  public:
