@@ -13,11 +13,12 @@
 
 namespace godobject {
 
-/// Axes of a joint's rotations, world axes.
+/// Axes of a joint's rotations.
 struct TurnAxes {
-  std::array<Vec3, 2> a_W;
+  std::array<Vec3, 2> a{Vec3::Zero(), Vec3::Zero()};
   std::size_t size = 0;
 };
+/// Returns the axes of a joint's rotations, world axes.
 inline TurnAxes turn_axes(const JointParams& joint, const Quat& q_WP, const Quat& q_WC) noexcept {
   TurnAxes axes;
   with_joint(joint.kind, [&]<class Kind>(Kind) noexcept {
@@ -25,7 +26,7 @@ inline TurnAxes turn_axes(const JointParams& joint, const Quat& q_WP, const Quat
       const auto m = Kind::motion({.R_WP = q_WP.toRotationMatrix() * joint.P.R,
                                    .R_WC = q_WC.toRotationMatrix() * joint.C.R,
                                    .d_W = Vec3::Zero()});
-      for (const Vec3& a_W : m.turn) axes.a_W[axes.size++] = a_W;
+      for (const Vec3& a_W : m.turn) axes.a[axes.size++] = a_W;
     }
   });
   return axes;
@@ -66,13 +67,12 @@ class TurnCounter {
 
   /// Updates the turns of body i, and the side of its error, after those of its ancestors.
   void count(std::size_t i) noexcept {
-    auto& turns = errors_.turns(i);
-    if (!errors_.is_coupled(i) || end_of_path(i) == i) {
+    TurnsAhead& turns = errors_.turns(i);
+    const std::size_t r = end_of_path(i);
+    if (!errors_.is_coupled(i) || r == i) {
       turns = {};
       return;
     }
-    if (!turns.any) turns = {};
-    const std::size_t r = end_of_path(i);
     const Quat q_WB = errors_.q_WB(i);
     Quat q_BD = q_WB.conjugate() * errors_.q_WD(i);  // against the reference
     Vec3 phi_R = Vec3::Zero(), before = errors_.before(i);
@@ -83,46 +83,34 @@ class TurnCounter {
       q_BD = q_BR * (errors_.q_WD(r).conjugate() * errors_.q_WB(r)) * q_BR.conjugate() * q_BD;
       errors_.set_phi(i, on_side_of(phi_R, before, errors_.phi(i)));
     }
+    drop_untwisted(i, q_BD, turns);
     const Vec3 jump = before - (errors_.phi(i) - phi_R);
-    Real most = pi;
-    std::int16_t* counted = nullptr;
-    Real change = 0;
-    turns.any = false;
-    each_axis(i, [&](std::size_t j, std::size_t c, const Vec3& a_B, bool) noexcept {
-      std::int16_t& n = turns.about[j][c];
-      const Real along = a_B.dot(q_BD.vec());
-      if (q_BD.w() * q_BD.w() + along * along < min_twist_share) n = 0;
-      else if (std::abs(a_B.dot(jump)) > most) {
-        counted = &n;
-        change = whole_turns(a_B.dot(jump));
-        most = std::abs(a_B.dot(jump));
-      }
-      turns.any |= n != 0;
-    });
-    if (counted == nullptr) return;
-    *counted = static_cast<std::int16_t>(*counted + std::clamp(change, Real(-1), Real(1)));
-    turns.any |= *counted != 0;
+    if (jump.squaredNorm() > pi * pi) flip(i, jump, turns);
   }
 
   /// Returns the contribution of the turns of body i.
   CountedTurns counted(std::size_t i) const noexcept {
     CountedTurns sum;
-    const auto& turns = errors_.turns(i);
-    if (!turns.any) return sum;
     Vec3 all_B = Vec3::Zero();
     const Quat q_BD = errors_.q_WB(i).conjugate() * errors_.q_WD(i);
-    each_axis(i, [&](std::size_t j, std::size_t c, const Vec3& a_B, bool is_on_body) noexcept {
-      const Real angle = 2 * pi * static_cast<Real>(turns.about[j][c]);
+    for (const About& about : errors_.turns(i).list) {
+      if (about.turns == 0) continue;
+      const Real angle = 2 * pi * static_cast<Real>(about.turns);
+      const TurnAxes axes = axes_of(about.body, i);
+      const Vec3& a_B = axes.a[about.rotation];
+      const bool is_on_body = about.body == i && about.rotation + 1u == axes.size;
       const TwistAngle twist = twist_angle(q_BD, a_B, errors_.phi(i), is_on_body);
       sum.turns_B += angle * twist.grad_B;
       sum.energy += angle * twist.angle;
       all_B += angle * a_B;
-    });
+    }
     sum.energy += Real(0.5) * all_B.squaredNorm();
     return sum;
   }
 
  private:
+  using About = TurnsAhead::About;
+
   /// Returns the number of the body at the end of the path of body i.
   std::size_t end_of_path(std::size_t i) const noexcept {
     while (i != world) {
@@ -133,17 +121,60 @@ class TurnCounter {
     return i;
   }
 
-  /// Calls f(j, c, axis, axis turns with the body) for the rotations c of the joints j on the path of body i.
-  template <class F>
-  void each_axis(std::size_t i, F f) const noexcept {
+  /// Returns the axes of the joint of body j in the axes of body i.
+  TurnAxes axes_of(std::size_t j, std::size_t i) const noexcept {
+    const JointParams& joint = par_.bodies[j].joint;
+    const Quat q_WP = joint.parent == world ? Quat(Quat::Identity()) : errors_.q_WB(joint.parent);
+    TurnAxes axes = turn_axes(joint, q_WP, errors_.q_WB(j));
     const Quat q_WB = errors_.q_WB(i);
-    for (std::size_t j = i, end = end_of_path(i); j != end; j = par_.bodies[j].joint.parent) {
-      const JointParams& joint = par_.bodies[j].joint;
-      const Quat q_WP = joint.parent == world ? Quat(Quat::Identity()) : errors_.q_WB(joint.parent);
-      const TurnAxes axes = turn_axes(joint, q_WP, errors_.q_WB(j));
-      for (std::size_t c = 0; c < axes.size; ++c)
-        f(j, c, to_body(q_WB, axes.a_W[c]), j == i && c + 1 == axes.size);
+    for (Vec3& a : axes.a) a = to_body(q_WB, a);
+    return axes;
+  }
+
+  /// Drops turns about axes about which the rotation q_BD of body i has no twist.
+  void drop_untwisted(std::size_t i, const Quat& q_BD, TurnsAhead& turns) const noexcept {
+    for (About& about : turns.list) {
+      if (about.turns == 0) continue;
+      const Real along = axes_of(about.body, i).a[about.rotation].dot(q_BD.vec());
+      if (q_BD.w() * q_BD.w() + along * along < min_twist_share) about = {};
     }
+  }
+
+  /// Counts a change of side of the error of body i by -jump. It takes a turn back if there is one, else it
+  /// adds one about the nearest axis of the path. Farther than 60 degrees from all axes it is not counted.
+  void flip(std::size_t i, const Vec3& jump, TurnsAhead& turns) const noexcept {
+    Real most = pi;
+    About* found = nullptr;
+    for (About& about : turns.list) {
+      if (about.turns == 0) continue;
+      const Real along = axes_of(about.body, i).a[about.rotation].dot(jump);
+      if ((along > 0) == (about.turns > 0) || !(std::abs(along) > most)) continue;
+      most = std::abs(along);
+      found = &about;
+    }
+    if (found != nullptr) {
+      found->turns = static_cast<std::int16_t>(found->turns + (found->turns > 0 ? -1 : 1));
+      return;
+    }
+    About nearest;
+    for (std::size_t j = i, end = end_of_path(i); j != end; j = par_.bodies[j].joint.parent) {
+      const TurnAxes axes = axes_of(j, i);
+      for (std::size_t c = 0; c < axes.size; ++c) {
+        const Real along = axes.a[c].dot(jump);
+        if (!(std::abs(along) > most)) continue;
+        most = std::abs(along);
+        nearest = {static_cast<std::uint16_t>(j), static_cast<std::uint16_t>(c),
+                   static_cast<std::int16_t>(along > 0 ? 1 : -1)};
+      }
+    }
+    for (About& about : turns.list) {
+      const bool is_same = about.body == nearest.body && about.rotation == nearest.rotation;
+      if (about.turns != 0 && is_same) found = &about;
+      if (about.turns == 0 && found == nullptr) found = &about;
+    }
+    if (found == nullptr) return;
+    nearest.turns = static_cast<std::int16_t>(nearest.turns + found->turns);
+    *found = nearest;
   }
 
   /// Returns the error phi_B, or that of the other way round, whichever is nearer to the reference phi_R.
@@ -194,7 +225,7 @@ class CountedErrors {
     bool are_large = false;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
       errors_[i] = ShortErrors<S, AttitudeOfBody, TargetOfBody>{x, attitude_of, target_of}[i];
-      are_large = are_large || errors_[i].twice_energy > large_error_sq || x.bodies[i].turns.any;
+      are_large = are_large || errors_[i].twice_energy > large_error_sq || x.bodies[i].joint.ahead.any();
     }
     if (are_large) [[unlikely]]
       count(par, x, attitude_of, target_of);
@@ -203,7 +234,7 @@ class CountedErrors {
   const CouplingError& operator[](std::size_t i) const noexcept { return errors_[i]; }
 
  private:
-  using AllTurns = std::array<TurnsAhead<S::max_bodies>, S::max_bodies>;
+  using AllTurns = std::array<TurnsAhead, S::max_bodies>;
 
   template <class AttitudeOfBody, class TargetOfBody>
   [[gnu::noinline]] void count(const Params<S>& par, const State<S>& x, const AttitudeOfBody& attitude_of,
@@ -220,14 +251,14 @@ class CountedErrors {
       Quat q_WD(std::size_t i) const noexcept { return target_of(i); }
       Vec3 phi(std::size_t i) const noexcept { return all.errors_[i].phi_B; }
       Vec3 before(std::size_t i) const noexcept { return x.bodies[i].coupling.phi_B; }
-      auto& turns(std::size_t i) const noexcept { return counts[i]; }
+      TurnsAhead& turns(std::size_t i) const noexcept { return counts[i]; }
       bool is_coupled(std::size_t i) const noexcept {
         return par.bodies[i].coupling.k_r > 0 && x.bodies[i].device.ramp.engaged;
       }
       void set_phi(std::size_t i, const Vec3& phi_B) const noexcept { all.errors_[i].phi_B = phi_B; }
     };
     AllTurns counts;
-    for (std::size_t i = 0; i < num_bodies(par); ++i) counts[i] = x.bodies[i].turns;
+    for (std::size_t i = 0; i < num_bodies(par); ++i) counts[i] = x.bodies[i].joint.ahead;
     TurnCounter<S, Errors> counter(par, {par, x, *this, counts, attitude_of, target_of});
     for (std::size_t i = 0; i < num_bodies(par); ++i) counter.count(i);
     std::array<CountedTurns, S::max_bodies> counted;

@@ -59,9 +59,8 @@ template <Scene S>
 Real max_counted([[maybe_unused]] const State<S>& x, [[maybe_unused]] std::size_t i) noexcept {
   Real turns = 0;
   if constexpr (counts_errors<S>) {
-    if (x.bodies[i].turns.any)
-      for (const auto& of_joint : x.bodies[i].turns.about)
-        for (const std::int16_t n : of_joint) turns += std::abs(static_cast<Real>(n));
+    for (const TurnsAhead::About& about : x.bodies[i].joint.ahead.list)
+      turns += std::abs(static_cast<Real>(about.turns));
   }
   return 2 * pi * turns;
 }

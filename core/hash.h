@@ -58,8 +58,10 @@ class Hash {
   void add(const JointStops::State& x) noexcept {
     // the part within a turn follows from the poses
     const Real first = whole_turns(x.q[0]), second = whole_turns(x.q[1]);
-    if (first == 0 && second == 0) return;
-    add(first, second);
+    if (first != 0 || second != 0) add(first, second);
+    for (const TurnsAhead::About& about : x.ahead.list)
+      if (about.turns != 0)
+        add(std::uint64_t{about.body}, std::uint64_t{about.rotation}, static_cast<Real>(about.turns));
   }
   void add(const PrescribedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})
@@ -73,13 +75,6 @@ class Hash {
       add(m.key, m.e, m.pressed, m.F_n);
       for (const Column& v : {m.c_a, m.c_b, m.n_a, m.n_b, m.n_W, m.xi_a, m.xi_b, m.slip_dot_W}) add(v.vec());
     }
-  }
-  template <std::size_t max_bodies>
-  void add(const TurnsAhead<max_bodies>& x) noexcept {
-    if (!x.any) return;
-    for (std::size_t j = 0; j < max_bodies; ++j)
-      for (const std::int16_t turns : x.about[j])
-        if (turns != 0) add(std::uint64_t{j}, static_cast<Real>(turns));
   }
   template <class Memory>
   void add(const NodeStateOf<Memory>& x) noexcept {
@@ -100,7 +95,7 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
   hash.add(x.tick);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const BodyState<S>& body = x.bodies[i];
-    hash.add(body.x, body.memory, body.device, body.coupling, body.feedback, body.joint, body.turns);
+    hash.add(body.x, body.memory, body.device, body.coupling, body.feedback, body.joint);
   }
   hash.add(x.contacts);
   if constexpr (uses<TermsOf<S>>)

@@ -214,13 +214,6 @@ inline constexpr bool counts_turns = requires(const typename S::Joints::State& x
 template <class S>
 inline constexpr bool counts_errors = counts_turns<S>&& uses<typename S::Coupling>;
 
-/// Whole turns in the attitude error of a body (16), about the rotations of joint j: about[j].
-template <std::size_t max_bodies>
-struct TurnsAhead {
-  std::array<std::array<std::int16_t, 2>, max_bodies> about{};
-  bool any = false;  // true if any is not zero
-};
-
 /// State carried from step to step: hash, log or restore it. Forces of the last stage affect outputs alone
 /// and are not hashed.
 template <class S>
@@ -231,7 +224,6 @@ struct BodyState {
   [[no_unique_address]] Slot<typename S::Joints::State, 4> joint;
   [[no_unique_address]] Slot<typename S::Coupling::State, 1> coupling;
   [[no_unique_address]] Slot<typename S::Feedback::State, 2> feedback;
-  [[no_unique_address]] std::conditional_t<counts_errors<S>, TurnsAhead<S::max_bodies>, Absent<27>> turns;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ContactWrench, Absent<26>> contact;  // last stage
 };
 

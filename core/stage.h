@@ -203,7 +203,7 @@ struct StageErrors {
     if (w.coupling_inputs[i].fresh) return Vec3::Zero();
     return lane(w.errors.before[i / lanes<S>], i % lanes<S>);
   }
-  auto& turns(std::size_t i) const noexcept { return w.errors.turns[i]; }
+  TurnsAhead& turns(std::size_t i) const noexcept { return w.errors.turns[i]; }
   bool is_coupled(std::size_t i) const noexcept {
     return par.bodies[i].coupling.k_r > 0 && w.coupling_inputs[i].ramp.engaged;
   }
@@ -224,7 +224,7 @@ template <Scene S, class TargetOfGroup>
   for (std::size_t j = 0; j < lanes<S> && g * lanes<S> + j < num_bodies(par); ++j) {
     const std::size_t i = g * lanes<S> + j;
     counter.count(i);
-    w.errors.has_turns |= w.errors.turns[i].any;
+    w.errors.has_turns |= w.errors.turns[i].any();
     const Vec3 phi_B = lane(w.next[g].coupling.phi_B, j);
     // the curvature (11) of the long way round is negative, and would add energy
     if (phi_B != lane(error.phi_B, j)) set_lane(error.curvature, j, 0);
@@ -344,10 +344,8 @@ void start_coordinates(const Params<S>& par, const State<S>& x, Scratch<S>& w) n
   if constexpr (counts_errors<S>) {
     w.errors.has_turns = false;
     for (std::size_t i = 0; i < num_bodies(par); ++i) {
-      auto& turns = w.errors.turns[i];
-      turns.any = x.bodies[i].turns.any && !w.coupling_inputs[i].fresh;
-      if (turns.any) turns = x.bodies[i].turns;
-      w.errors.has_turns |= turns.any;
+      w.errors.turns[i] = w.coupling_inputs[i].fresh ? TurnsAhead{} : x.bodies[i].joint.ahead;
+      w.errors.has_turns |= w.errors.turns[i].any();
     }
   }
 }

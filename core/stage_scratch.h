@@ -115,8 +115,8 @@ struct Iteration {
 template <class S>
 struct ErrorsInStage {
   std::array<Vector3<Lanes<S>>, max_groups<S>> before;  // phi of the previous solve
-  std::array<TurnsAhead<S::max_bodies>, S::max_bodies> turns;
-  bool has_turns = false;  // true if a body has turns, or had in this step
+  std::array<TurnsAhead, S::max_bodies> turns;          // JointStops::State::ahead
+  bool has_turns = false;                               // true if a body has turns, or had in this step
   bool are_large = false;  // true if errors so far in this solve may need counting
 };
 

@@ -105,10 +105,7 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Device>) x.bodies[i].device = state_after(w.coupling_inputs[i]);
     if constexpr (prescribes<S>) x.bodies[i].joint.last = w.prescribed[i].to;
     if constexpr (counts_turns<S>) x.bodies[i].joint.q = w.tree.q[i];
-    if constexpr (counts_errors<S>) {
-      if (w.errors.turns[i].any) x.bodies[i].turns = w.errors.turns[i];
-      else if (x.bodies[i].turns.any) x.bodies[i].turns = {};
-    }
+    if constexpr (counts_errors<S>) x.bodies[i].joint.ahead = w.errors.turns[i];
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
     if constexpr (has_stages<S>) x.bodies[i].contact.F_W = w.contacts.wrenches[i];
   }

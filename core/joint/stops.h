@@ -1,6 +1,8 @@
 // Stops: springs at the ends of a joint's coordinates, with a smooth onset.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <limits>
 
 #include "core/joint/tree_solve.h"
@@ -16,6 +18,22 @@ struct StopParams {
   Real width = 0;  // rad or m, > 0: range over which k and g rise from zero
 };
 
+/// Whole turns by which a body's target leads it (16).
+struct TurnsAhead {
+  /// Turns about a rotation of the joint of a body.
+  struct About {
+    std::uint16_t body = 0, rotation = 0;
+    std::int16_t turns = 0;  // 0: unused
+  };
+  std::array<About, max_wound_axes> list{};
+
+  bool any() const noexcept {
+    bool any = false;
+    for (const About& about : list) any |= about.turns != 0;
+    return any;
+  }
+};
+
 /// Stops part of a joint: one for each of its coordinates, rotations first.
 struct JointStops {
   struct Params {
@@ -23,6 +41,7 @@ struct JointStops {
   };
   struct State {
     JointCoordinates q = JointCoordinates::Zero();  // coordinates at the end of the last step, turns counted
+    TurnsAhead ahead;
   };
 };
 

@@ -329,7 +329,7 @@ TYPED_TEST(WoundTargets, AreTheSameInATurnedScene) {
 /// A device that engages again, at once or after a long gap, begins on the turn nearest to the body.
 TYPED_TEST(WoundTargets, AreCountedFromEngaging) {
   for (const bool is_gap : {false, true}) {
-    auto run = wound_tool<Tool<TypeParam, 1>>();
+    auto run = wound_tool<Tool<TypeParam, 2>>();
     ASSERT_NEAR(run->spring_torque(0).z() / 5, run->target[0] - run->q(0), 1e-9);
     PoseDevice::Input& in = run->in.devices[0];
     (is_gap ? in.valid : in.engaged) = false;
@@ -339,7 +339,7 @@ TYPED_TEST(WoundTargets, AreCountedFromEngaging) {
     const Real e = run->target[0] - run->q(0);
     EXPECT_LE(std::abs(run->spring_torque(0).z() / 5), pi) << is_gap;
     EXPECT_NEAR(unwrapped(e, run->spring_torque(0).z() / 5), run->spring_torque(0).z() / 5, 1e-9);
-    EXPECT_FALSE(run->x.bodies[0].turns.any);
+    EXPECT_FALSE(run->x.bodies[0].joint.ahead.any());
   }
 }
 
@@ -347,7 +347,7 @@ TYPED_TEST(WoundTargets, AreCountedFromEngaging) {
 TYPED_TEST(WoundTargets, AreInTheHash) {
   const auto run = wound_tool<Tool<TypeParam, 5>>();
   const std::uint64_t hash = run->hash();
-  std::int16_t& turns = run->x.bodies[0].turns.about[0][0];
+  std::int16_t& turns = run->x.bodies[0].joint.ahead.list[0].turns;
   ASSERT_EQ(turns, 2);
   turns = 3;
   EXPECT_NE(run->hash(), hash);
