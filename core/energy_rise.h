@@ -4,8 +4,8 @@
 //   (58)  T+ <= c (T + U + W)
 //
 // T, T+: kinetic energy before and after the step. U: energy of all springs. W: bound of the work of gravity,
-// targets, applied forces and prescribed joints in the step. c is far above 1: smaller gains are left to the
-// energy balance (38).
+// targets, forces and prescribed joints in the step, done from rest: from T, it adds up to 2 (T + W) at most.
+// c is far above that: smaller gains are left to the energy balance (38).
 #pragma once
 
 #include "core/energy_balance.h"
@@ -65,6 +65,11 @@ Real max_counted([[maybe_unused]] const State<S>& x, [[maybe_unused]] std::size_
   return 2 * pi * turns;
 }
 
+/// Returns a lower bound of the moment of inertia about any axis, kg m^2.
+inline Real least_inertia(const RigidBodyParams& body) noexcept {
+  return body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
+}
+
 /// Returns W of the coupling and the applied wrench of body i (58), J.
 template <Scene S>
 Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
@@ -91,8 +96,46 @@ Real work_of_device([[maybe_unused]] const Params<S>& par, [[maybe_unused]] cons
   if constexpr (uses<typename S::Device>) {
     const RigidBodyParams& body = par.bodies[i].body;
     const Wrench F = w.coupling_inputs[i].F_WB;
-    const Real least_I = body.I_B.trace() / (3 * body.anisotropy * body.anisotropy);
-    W += Real(0.5) * par.h * par.h * (F.f.squaredNorm() / body.m + F.tau.squaredNorm() / least_I);
+    W += Real(0.5) * par.h * par.h * (F.f.squaredNorm() / body.m + F.tau.squaredNorm() / least_inertia(body));
+  }
+  return W;
+}
+
+/// Returns W of the acceleration from which a second-order step starts (12), (58), J. Its force is not at
+/// hand any more: an applied force may have fallen since.
+template <Scene S>
+Real work_of_memory([[maybe_unused]] const Params<S>& par, [[maybe_unused]] const State<S>& x,
+                    [[maybe_unused]] std::size_t i) noexcept {
+  if constexpr (std::is_empty_v<typename S::Integrator::Memory>) return 0;
+  else {
+    const RigidBodyParams& body = par.bodies[i].body;
+    const auto& memory = x.bodies[i].memory;
+    if (!memory.known) return 0;
+    return Real(0.5) * par.h * par.h *
+           (body.m * memory.a_W.squaredNorm() + memory.alpha_B.dot(body.I_B * memory.alpha_B));
+  }
+}
+
+/// Returns W of constant forces (58), J, without their potential, which may be of any sign.
+template <Scene S>
+Real work_of_constant_forces([[maybe_unused]] const Params<S>& par,
+                             [[maybe_unused]] const State<S>& x) noexcept {
+  Real W = 0;
+  if constexpr (uses<TermsOf<S>>) {
+    TermsOf<S>::each_param(par.terms, [&]([[maybe_unused]] auto kind, const auto& force) noexcept {
+      if constexpr (requires { force.F_W; }) {
+        Real per_mass = 0;
+        if (force.at.on < num_bodies(par)) {
+          const RigidBodyParams& body = par.bodies[force.at.on].body;
+          per_mass = 1 / body.m + force.at.p.squaredNorm() / least_inertia(body);
+        }
+        if constexpr (uses<NodesOf<S>>)
+          if (force.at.on >= S::max_bodies && force.at.on < end_of_numbers(par))
+            per_mass = 1 / par.nodes.list[force.at.on - S::max_bodies].m;
+        W += Real(0.5) * par.h * par.h * per_mass * force.F_W.squaredNorm() -
+             kind.energy(force, TermPlaces<S>{x});
+      }
+    });
   }
   return W;
 }
@@ -149,10 +192,11 @@ template <Scene S>
                                             Real T, Real T_after) noexcept {
   const Whole whole(par, x);
   const Real v_g = par.h * par.gravity_W.norm();
-  Real at_hand =
-      T + EnergyBalance<S>::springs(par, x) + energy_of_contacts(par, x, whole) + whole.mass() * v_g * v_g;
+  Real at_hand = T + EnergyBalance<S>::springs(par, x) + work_of_constant_forces(par, x) +
+                 energy_of_contacts(par, x, whole) + whole.mass() * v_g * v_g;
   for (std::size_t i = 0; i < num_bodies(par); ++i)
-    at_hand += work_of_device(par, x, w, whole, i) + work_of_joint(par, x, w, whole, i);
+    at_hand +=
+        work_of_device(par, x, w, whole, i) + work_of_memory(par, x, i) + work_of_joint(par, x, w, whole, i);
   return T_after > max_rise * (at_hand + gain_floor);
 }
 

@@ -2,7 +2,7 @@
 // however abrupt.
 #include <gtest/gtest.h>
 
-#include <cstdio>
+#include <memory>
 
 #include "tests/core/one_body.h"
 
@@ -112,6 +112,35 @@ TYPED_TEST(EnergyRise, NothingThatAForceDoesIsOutOfMeasure) {
                            .f = random.log_uniform(1e-6, 1e3) * random.vector()};
       run.step();
       ASSERT_EQ(run.out.fault, Fault::none) << "seed " << seed << ", step " << n;
+    }
+  }
+}
+
+/// A body with a constant force.
+template <class I>
+struct Forced : OneBody<I, None, None> {
+  static constexpr std::size_t max_bodies = 1;
+  using Contacts = BodyContacts<1, 1, 1>;
+  using Terms = TermList<ConstantForces<1>>;
+};
+
+/// From rest, far from the origin, where the potential of the force is zero.
+TYPED_TEST(EnergyRise, NothingThatAConstantForceDoesIsOutOfMeasure) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    Random random(seed);
+    auto run = std::make_unique<Running<Forced<TypeParam>>>();
+    run->par.h = random.log_uniform(1e-4, 1e-2);
+    run->par.num_bodies = 1;
+    const Real m = random.log_uniform(1e-3, 10), I = m * random.log_uniform(1e-6, 1e-2);
+    run->constants().body = rigid_body(m, random.inertia(I * Vec3(1, 2, 2.5)));
+    auto& forces = run->par.terms.template of<0>();
+    forces.list[forces.size++] = {.at = {.on = 0, .p = random.integer(0, 1) * 0.1 * random.vector()},
+                                  .F_W = random.log_uniform(1e-3, 100) * random.vector()};
+    place(run->x, 0, {.X_WB = {.p = random.vector(), .q = random.rotation()}, .V_WB = {}});
+    ASSERT_EQ(validate(run->par), Invalid::nothing);
+    for (int n = 0; n < 20; ++n) {
+      run->step();
+      ASSERT_EQ(run->out.fault, Fault::none) << "seed " << seed << ", step " << n;
     }
   }
 }
