@@ -353,5 +353,56 @@ TYPED_TEST(WoundTargets, AreInTheHash) {
   EXPECT_NE(run->hash(), hash);
 }
 
+/// A chain on a root that is free or on a ball joint. Its second link is wound on its stop while the targets
+/// of the whole tool turn about any axis and back.
+TYPED_TEST(WoundTargets, OfAToolThatTurnsComeBack) {
+  using S = Tool<TypeParam, 5>;
+  Random random(9);
+  for (int draw = 0; draw < 20; ++draw) {
+    auto run = std::make_unique<Running<S>>();
+    auto& par = run->par;
+    par.num_bodies = 3;
+    for (std::size_t i = 0; i < 3; ++i) {
+      auto& body = par.bodies[i];
+      body.body = rigid_body(0.1, 1e-3 * Vec3(1, 1.3, 0.8).asDiagonal());
+      body.coupling = spring(body.body, 1000, i == 0 ? 20 : 3);
+      body.device = {.rise = 0, .lost = 0.02};
+      body.joint.kind = i > 0 ? JointKind::hinge : draw % 2 == 0 ? JointKind::ball : JointKind::free;
+      body.joint.parent = i == 0 ? world : i - 1;
+    }
+    par.bodies[1].joint.stop.stops[0] = {.lower = -2, .upper = 2, .k = 300, .g = 0.05, .width = 0.02};
+    const Quat q_12 = random.rotation();
+    par.bodies[2].joint.P.R = q_12.toRotationMatrix();
+    const Vec3 axis = random.direction();
+    const Real far = random.uniform(2, 14), turn = random.uniform(1, 7);
+    const auto aim = [&](Real wound, Real turned) {
+      const Quat q_0(Eigen::AngleAxis<Real>(turn * turned, axis));
+      const Quat q_1 = q_0 * Quat(Eigen::AngleAxis<Real>(far * wound, Vec3::UnitZ()));
+      run->in.devices[0].target.X_WD.q = q_0;
+      run->in.devices[1].target.X_WD.q = q_1;
+      run->in.devices[2].target.X_WD.q = q_1 * q_12;
+    };
+    aim(0, 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Pose& X_WD = run->in.devices[i].target.X_WD;
+      place<S>(run->x, i, {.X_WB = X_WD, .V_WB = {}});
+      engage_at<S>(run->x, i, {.X_WD = X_WD, .V_WD = {}});
+    }
+    start_turns(par, run->x);
+    EnergyBalance<S> balance;
+    balance.start(par, run->x);
+    for (int n = 0; n < 9000; ++n) {
+      const Real t = n * par.h;
+      aim(std::clamp(t < 4.5 ? t / 2 : (8 - t) / 2, Real(0), Real(1)),
+          std::clamp(t < 4.5 ? (t - 2) / 2 : (Real(6.5) - t) / 2, Real(0), Real(1)));
+      run->step();
+      balance.observe(par, run->x, run->w, run->out);
+      ASSERT_FALSE(any(run->out.fault));
+    }
+    EXPECT_FALSE(balance.gains());
+    for (std::size_t i = 1; i < 3; ++i) EXPECT_NEAR(run->x.bodies[i].joint.q[0], 0, 1e-9) << draw;
+  }
+}
+
 }  // namespace
 }  // namespace godobject::test_wound_targets
