@@ -116,6 +116,24 @@ TYPED_TEST(EnergyRise, NothingThatAForceDoesIsOutOfMeasure) {
   }
 }
 
+/// A body in flight, whose energy is all motion. A failed step need not be far out of measure to be rejected.
+TYPED_TEST(EnergyRise, OfTwelveTimesOrMoreIsAFault) {
+  using Solver = Failing<TypeParam>;
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    Random random(seed);
+    Running<OneBody<Solver>> run;
+    run.constants().body = rigid_body(0.1, random.inertia(Vec3(1e-4, 2e-4, 2.5e-4)));
+    place(run.x, 0, {.X_WB = {}, .V_WB = {.w = random.vector(), .v = random.vector()}});
+    run.device().engaged = run.device().valid = false;
+    run.step(random.integer(1, 50));
+    EXPECT_EQ(run.out.fault, Fault::none);
+    Solver::factor = std::sqrt(random.uniform(12, 90));
+    run.step();
+    Solver::factor = 1;
+    EXPECT_EQ(run.out.fault, Fault::energy_gained);
+  }
+}
+
 /// A body with a constant force.
 template <class I>
 struct Forced : OneBody<I, None, None> {
