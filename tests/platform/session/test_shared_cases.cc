@@ -3,6 +3,7 @@
 #include "tests/platform/session/attacked.h"
 
 #include <cmath>
+#include <sstream>
 #include <string>
 
 namespace godobject::test_shared_cases {
@@ -86,6 +87,33 @@ TEST_P(SharedCases, AStopHoldsAgainstATargetBeyondHalfATurn) {
                [&](const CycleRecord& r) { farthest = std::max(farthest, r.joint_q.at(0)); });
   EXPECT_LT(farthest, 3.3);
   EXPECT_NEAR(end.joint_q.at(0), 3.254, 1e-3) << "statics";
+}
+
+/// The target turns to 8 rad and back. Statics there: 5 (8 - q) = 20 (q - 2.967 - 0.01).
+TEST_P(SharedCases, AStopHoldsAgainstATargetBeyondAWholeTurn) {
+  const auto read = scene("stop-passed-at-pi");
+  if (!read) GTEST_SKIP() << no_cases;
+  constexpr double duration = 6;
+  std::ostringstream csv;
+  csv.precision(17);
+  csv << "t,a.x,a.y,a.z,a.qw,a.qx,a.qy,a.qz\n";
+  for (int n = 0; n <= 1200; ++n) {
+    const double t = n * duration / 1200, angle = 4 * (1 - std::cos(2 * M_PI * t / duration));
+    csv << t << ",0,0,0," << std::cos(angle / 2) << ",0,0," << std::sin(angle / 2) << '\n';
+  }
+  const MotionResult motion = Motion::parse(csv.str(), "m.csv", *read);
+  ASSERT_TRUE(motion.motion);
+  double farthest = 0, least = 0, most_torque = 0;
+  const CycleRecord end = attacked(*read, *motion.motion, duration, [&](const CycleRecord& r) {
+    farthest = std::max(farthest, r.joint_q.at(0));
+    least = std::min(least, r.bodies[0].coupling_B.tau.z());
+    most_torque = std::max(most_torque, r.bodies[0].coupling_B.tau.z());
+  });
+  const double q = (5 * 8 + 20 * 2.977) / 25;
+  EXPECT_NEAR(farthest, q, 0.01);
+  EXPECT_NEAR(most_torque, 5 * (8 - q), 0.1);
+  EXPECT_GT(least, -0.5) << "the coupling never turns the body back";
+  EXPECT_NEAR(end.joint_q.at(0), 0, 0.01);
 }
 
 TEST_P(SharedCases, AFreeSheetFallsFreely) {
