@@ -79,7 +79,6 @@ struct TrBdf2 {
   /// Solves both stages from the start that `begin` selects.
   template <Scene S>
   static StepEnd solve_stages(Begin begin, const Params<S>& par, const State<S>& x, Scratch<S>& w) noexcept {
-    using T = Lanes<S>;
     const Real h = par.h;
     const bool smooth = begin != Begin::two_euler_stages;
 
@@ -112,8 +111,7 @@ struct TrBdf2 {
                    x, w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved || (still_smooth && has_penetration_jump(w))) return StepEnd::unsolved;
-    for (std::size_t g = 0; g < num_groups(par); ++g)
-      w.next[g].x = moved(w.bases[g], w.velocities[g], last.h);
+    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(par, g, last.h, w);
     end_coordinates(par, still_smooth ? h : last.h, w);
     if (still_smooth && stop_changes(w)) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
@@ -121,9 +119,8 @@ struct TrBdf2 {
 
     for (std::size_t g = 0; g < num_groups(par); ++g) {
       Next<S>& next = w.next[g];
-      const StageVelocityOf<T>& V_2 = w.velocities[g];
-      next.memory = {.a_W = (V_2.v_W - w.bases[g].v_W) * (1 / h_2),
-                     .alpha_B = (V_2.w_B - w.bases[g].w_B) * (1 / h_2),
+      next.memory = {.a_W = (w.velocities[g].v_W - w.bases[g].v_W) * (1 / h_2),
+                     .alpha_B = last_acceleration(par, g, h_2, w),
                      .known = is_acceleration_valid(w) && last.acceleration_valid};
     }
     end_nodes(par, x, last.h, w);
@@ -143,13 +140,26 @@ struct TrBdf2 {
       const StageVelocityOf<T>& V_1 = w.velocities[g];
       const Start<S> y(GroupIn<S>(g, num_bodies(par)), x);
       const Vector3<T> a_1 = (V_1.v_W - w.bases[g].v_W) * (1 / h_1);
+      if constexpr (has_stages<S>) {
+        // (64)
+        const Matrix3<T>& I_B = inertia(par, g);
+        const RigidBodyStateOf<T> y_1 = moved(par, g, h_1, w);
+        const Vector3<T> T_1 = torque_of_stage<T>(I_B, w.bases[g], y_1, h_1);
+        const Vector3<T> L_W =
+            angular_momentum<T>(I_B, y.x) + T(b * par.h) * (torque<T>(I_B, y.x, y.alpha_B) + T_1);
+        RigidBodyStateOf<T>& base = w.bases[g];
+        base.X_WB = moved<T>(moved<T>(y.x.X_WB, y.x.v_W, y.x.w_B, b * par.h), V_1.v_W, y_1.w_B, b * par.h);
+        base.v_W = y.x.v_W + T(b * par.h) * (y.a_W + a_1);
+        base.w_B = angular_velocity<T>(I_B, base.X_WB.q, L_W);
+        w.turns.w_B[g] = base.w_B + h_2 * acceleration<T>(I_B, base, T_1);
+        continue;
+      }
       const Vector3<T> alpha_1 = (V_1.w_B - w.bases[g].w_B) * (1 / h_1);
       if (starts_without_acceleration<S> && begin == Begin::without_acceleration)
         w.bases[g] = extrapolated<T>(y.x, V_1.v_W, V_1.w_B, a_1, alpha_1, (1 - d) * par.h);
       else
         w.bases[g] = extrapolated<T>(y.x, y.x.v_W + V_1.v_W, y.x.w_B + V_1.w_B, y.a_W + a_1,
                                      y.alpha_B + alpha_1, b * par.h);
-      if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + alpha_1 * h_2;
     }
     extend_nodes(par, x, b * par.h, h_1, w);
     add_to_means(par, h_1 / par.h, w);
@@ -170,7 +180,13 @@ struct TrBdf2 {
       const GroupIn<S> group(g, num_bodies(par));
       const Start<S> y(group, x);
       w.bases[g] = extrapolated<T>(y.x, y.x.v_W, y.x.w_B, y.a_W, y.alpha_B, dh);
-      if constexpr (has_stages<S>) w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
+      if constexpr (has_stages<S>) {
+        const Matrix3<T>& I_B = inertia(par, g);
+        if (dh > 0)
+          w.bases[g].w_B = angular_velocity<T>(
+              I_B, w.bases[g].X_WB.q, angular_momentum<T>(I_B, y.x) + T(dh) * torque<T>(I_B, y.x, y.alpha_B));
+        w.turns.w_B[g] = w.bases[g].w_B + y.alpha_B * h_1;
+      }
       recall_errors<S>(group, x, w.next[g]);
       if constexpr (uses<typename S::Device>)
         w.inside[g] = interpolated<T>(
@@ -207,6 +223,38 @@ struct TrBdf2 {
           alpha_B(gathered(group, [&](std::size_t i) -> const Vec3& { return y.bodies[i].memory.alpha_B; })) {
     }
   };
+
+  /// Returns the torque on a body of the angular acceleration alpha, world axes.
+  template <class T>
+  static Vector3<T> torque(const Matrix3<T>& I_B, const RigidBodyStateOf<T>& x,
+                           const Vector3<T>& alpha_B) noexcept {
+    return to_world<T>(x.X_WB.q, Vector3<T>(I_B * alpha_B + x.w_B.cross(I_B * x.w_B)));
+  }
+  /// Returns the angular acceleration by a torque, body axes.
+  template <class T>
+  static Vector3<T> acceleration(const Matrix3<T>& I_B, const RigidBodyStateOf<T>& x,
+                                 const Vector3<T>& T_W) noexcept {
+    return solve3<T>(I_B, Vector3<T>(to_body<T>(x.X_WB.q, T_W) - x.w_B.cross(I_B * x.w_B)));
+  }
+  /// Returns the mean torque from a base to the end of a stage of length h, world axes.
+  template <class T>
+  static Vector3<T> torque_of_stage(const Matrix3<T>& I_B, const RigidBodyStateOf<T>& base,
+                                    const RigidBodyStateOf<T>& end, Real h) noexcept {
+    return (angular_momentum<T>(I_B, end) - angular_momentum<T>(I_B, base)) * (1 / h);
+  }
+
+  /// Returns the angular acceleration at the end of the step, after the last stage of length h.
+  template <Scene S>
+  static Vector3<Lanes<S>> last_acceleration([[maybe_unused]] const Params<S>& par, std::size_t g, Real h,
+                                             const Scratch<S>& w) noexcept {
+    using T = Lanes<S>;
+    if constexpr (has_stages<S>) {
+      const Matrix3<T>& I_B = inertia(par, g);
+      return acceleration<T>(I_B, w.next[g].x, torque_of_stage<T>(I_B, w.bases[g], w.next[g].x, h));
+    } else {
+      return (w.velocities[g].w_B - w.bases[g].w_B) * (1 / h);
+    }
+  }
 
   /// Returns y + t K.
   template <class T>

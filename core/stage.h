@@ -1,7 +1,7 @@
 // One stage of an integrator: from the bases of all bodies to their velocities.
 #pragma once
 
-#include "core/body/implicit_stage.h"
+#include "core/body/angular_momentum.h"
 #include "core/joint_stage.h"
 #include "core/stage_scratch.h"
 
@@ -27,20 +27,33 @@ void solve_tree(const Params<S>& par, const State<S>& x, Real h, Scratch<S>& w) 
   }
 }
 
+/// Returns the angular velocity at which the skew part of the gyroscopic term acts (34), body axes.
+template <Scene S, class T>
+Vector3<T> expected_turn(const Matrix3<T>& I_B, [[maybe_unused]] std::size_t g, const StageImpulseOf<T>& J,
+                         Real h, [[maybe_unused]] const Scratch<S>& w) noexcept {
+  if constexpr (has_stages<S>)
+    if (w.turns.known) return w.turns.w_B[g];
+  return torque_free_turn(I_B, J, h);
+}
+
 /// Sets up the bodies of a group without contacts: predicted places, stage systems, velocities.
 template <Scene S, class T>
 void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>& base,
                  const TranslationSystemOf<T>& translation, const RotationSystemOf<T>& rotation,
-                 const Vector3<T>& gyroscopic_B, [[maybe_unused]] const Vector3<T>& F_W, Real h,
-                 Real max_turn, Scratch<S>& w) noexcept {
+                 const Matrix3<T>& I_B, [[maybe_unused]] const Vector3<T>& F_W, Real h, Real max_turn,
+                 Scratch<S>& w) noexcept {
   const TreePlaceOf<T> at = place<T>(Vector3<T>::Zero(), predicted(base, h, max_turn));
-  const Matrix3<T>& R = at.R_WB;
+  const RigidBodyStateOf<T> middle = predicted(base, Real(0.5) * h, Real(0.5) * max_turn);
+  const Matrix3<T> R = middle.X_WB.q.toRotationMatrix();
   const Matrix3<T> A_W = R * rotation.A_B * R.transpose();
   const Vector3<T> b_w = R * rotation.b_B;
   const Vector3<T> w_W = solve3<T>(A_W, b_w), v_W = translation.b_W * T(1 / translation.M);
   Matrix3<T> A_s = Real(0.5) * (A_W + A_W.transpose());
   // (34)
-  Vector3<T> b_s = b_w + R * gyroscopic_B;
+  StageImpulseOf<T>& J = w.impulses[g];
+  J = stage_impulse<T>(I_B, w.bases[g].w_B, rotation.hw_B, middle.X_WB.q, h);
+  J.turn_B = expected_turn(I_B, g, J, h, w);
+  Vector3<T> b_s = b_w - R * J.skew_B.cross(J.turn_B);
   if constexpr (has_stages<S>) {
     if (w.turns.known) b_s = A_s * w_W - (A_W - A_s) * (R * w.turns.w_B[g] - w_W);
   }
@@ -157,9 +170,13 @@ template <Scene S>
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const SpatialVector& V = contacts.x.V[i];
-    set_lane(w.velocities[i / lanes<S>].v_W, i % lanes<S>, V.v.vec());
-    set_lane(w.velocities[i / lanes<S>].w_B, i % lanes<S>,
-             contacts.finder.at[i].R_WB.transpose() * V.w.vec());
+    const std::size_t g = i / lanes<S>, j = i % lanes<S>;
+    const Vec3 w_B = to_body<Real>(lane(w.impulses[g].q_WM, j), V.w.vec());
+    set_lane(w.velocities[g].v_W, j, V.v.vec());
+    set_lane(w.velocities[g].w_B, j, w_B);
+    // a body without contacts has the full (11)
+    if (!is_in_island(static_cast<std::uint32_t>(i), contacts)) set_lane(w.impulses[g].turn_B, j, w_B);
+    if (is_joined(static_cast<std::uint32_t>(i), contacts)) set_lane(w.impulses[g].is_joined, j, 1);
   }
   if constexpr (uses<NodesOf<S>>)
     for (std::size_t j = 0; j < num_nodes(par); ++j)
@@ -280,10 +297,11 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
     const TranslationSystemOf<T> translation =
         implicit_translation(body.m, spring, base.v_W, e_W, v_D, F_W, h);
     const Vector3<T> F_0 = F_W + T(spring.k) * e_W;  // force at the start of the stage
-    RotationSystemOf<T> rotation = implicit_rotation(body, spring, base.w_B, error, w_D_B, tau_B, h);
+    constexpr TorqueAxes axes = uses<ContactsOf<S>> ? TorqueAxes::middle : TorqueAxes::end;
+    RotationSystemOf<T> rotation = implicit_rotation<axes>(body, spring, base.w_B, error, w_D_B, tau_B, h);
     if constexpr (counts_errors<S>) {
       if (w.errors.are_large) [[unlikely]]
-        add_turns<T>(spring, turns_B, h, rotation);
+        add_turns<axes, T>(spring, turns_B, h, rotation);
     }
     constexpr Real max_turn = which == Solve::again ? max_iterated_turn : max_predicted_turn;
     const auto point = [&]() noexcept -> decltype(auto) {
@@ -291,8 +309,7 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
       else return RigidBodyStateOf<T>{base.X_WB, w.velocities[g].v_W, w.velocities[g].w_B};
     };
     if constexpr (uses<ContactsOf<S>>) {
-      const Vector3<T> gyroscopic_B = gyroscopic_impulse<T>(body, base.w_B, rotation.hw_B, h);
-      load_bodies(par, g, point(), translation, rotation, gyroscopic_B, F_0, h, max_turn, w);
+      load_bodies<S, T>(par, g, point(), translation, rotation, body.I_B, F_0, h, max_turn, w);
     } else if constexpr (uses<typename S::Joints>) {
       load(par, g, point(), translation, rotation, F_0, h, max_turn, w.tree);
     } else {
@@ -307,10 +324,26 @@ void solve_once(const Params<S>& par, const State<S>& x, Real h, const TargetOfG
   }
 }
 
-/// Returns the bodies at the end of a stage.
-template <class T>
-RigidBodyStateOf<T> moved(const RigidBodyStateOf<T>& base, const StageVelocityOf<T>& V, Real h) noexcept {
-  return {.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
+/// Returns the inertia of a group of bodies, body axes.
+template <Scene S>
+decltype(auto) inertia(const Params<S>& par, std::size_t g) noexcept {
+  return gathered(GroupIn<S>(g, num_bodies(par)),
+                  [&](std::size_t i) -> const Mat3& { return par.bodies[i].body.I_B; });
+}
+
+/// Returns the bodies of a group at the end of the solved stage of length h.
+template <Scene S>
+RigidBodyStateOf<Lanes<S>> moved([[maybe_unused]] const Params<S>& par, std::size_t g, Real h,
+                                 const Scratch<S>& w) noexcept {
+  using T = Lanes<S>;
+  const RigidBodyStateOf<T>& base = w.bases[g];
+  const StageVelocityOf<T>& V = w.velocities[g];
+  RigidBodyStateOf<T> end{.X_WB = moved<T>(base.X_WB, V.v_W, V.w_B, h), .v_W = V.v_W, .w_B = V.w_B};
+  if constexpr (uses<ContactsOf<S>>) {
+    const Matrix3<T>& I_B = inertia(par, g);
+    end.w_B = angular_velocity_after<T>(I_B, w.impulses[g], base, V.w_B, end.X_WB.q);
+  }
+  return end;
 }
 
 /// Sets the prescribed joint coordinates for the coming stage, which ends at the fraction s of the step.

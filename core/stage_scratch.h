@@ -1,6 +1,7 @@
 // Working storage of a step, sized by the scene's parts and undefined between steps.
 #pragma once
 
+#include "core/body/angular_momentum.h"
 #include "core/body/lanes.h"
 #include "core/counted_errors.h"
 #include "core/device/device.h"
@@ -146,6 +147,9 @@ struct Scratch {
       prescribed;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ExpectedTurns<S>, Absent<17>> turns;
   [[no_unique_address]] std::conditional_t<counts_errors<S>, ErrorsInStage<S>, Absent<34>> errors;
+  [[no_unique_address]] std::conditional_t<uses<ContactsOf<S>>, std::array<StageImpulseOf<T>, max_groups<S>>,
+                                           Absent<35>>
+      impulses;  // of the last solve
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
   [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
                                            Absent<18>>

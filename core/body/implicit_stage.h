@@ -58,6 +58,11 @@ TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, co
   return {.M = m + h * (spring.g + hk), .b_W = m * v_W + h * (F_W + spring.g * v_D) + hk * e_W};
 }
 
+/// Axes of a stage (11): the body's at its end, or at its middle (64). Angular velocity has the same
+/// coordinates in both. In axes of the middle the spring has no skew part, w_D and T turn half as far, and
+/// the Newton term of w x I w is halved.
+enum class TorqueAxes : std::uint8_t { end, middle };
+
 /// Returns the rotational system in body axes. With L = I w^, the terms of (11) linearised in w+ are:
 ///   gyroscopic    w x I w    ->  w+ x L                    (never does work on w+)
 ///                                + rho w^ x (I w+ - L)     (makes it Newton's: second order)
@@ -65,7 +70,7 @@ TranslationSystemOf<T> implicit_translation(const std::type_identity_t<T>& m, co
 ///   damping       R+^T w_D   ->  w_D + h w_D x w+
 ///   torque        R+^T T_W   ->  T + h T x w+
 /// rho = 1 unless a step turns the body so far that the Newton term could do work.
-template <class T>
+template <TorqueAxes axes = TorqueAxes::end, class T>
 RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const SpringParamsOf<T>& spring,
                                       const Vector3<T>& w_B, const RotationErrorOf<T>& error,
                                       const Vector3<T>& w_D_B, const Vector3<T>& T_B, Real h) noexcept {
@@ -77,10 +82,13 @@ RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const Sp
   const T swing_sq =
       1 / (max_swing * max_swing) * h * h * body.anisotropy * body.anisotropy * w_B.squaredNorm();
   const T rho = select(swing_sq <= 1, T(1), T(1 / swing_sq));
-  const Vector3<T> hw = T(rho * h) * w_B;
+  const Vector3<T> hw = T(rho * (axes == TorqueAxes::end ? h : Real(0.5) * h)) * w_B;
 
   // A = I + h (g_r + h k_r) 1 + [hw]x I - [turn]x + h^2 k_r c [phi]x^2,  [phi]x^2 = phi phi^T - |phi|^2 1
-  const Vector3<T> turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B + h * T_B);
+  Vector3<T> turn;
+  if constexpr (axes == TorqueAxes::end)
+    turn = h * (L + T(Real(0.5) * hk) * phi + T(h * spring.g_r) * w_D_B + h * T_B);
+  else turn = h * (L + T(Real(0.5) * h * spring.g_r) * w_D_B + (Real(0.5) * h) * T_B);
   const Vector3<T> bent = T(h * hk * error.curvature) * phi;
   const T diagonal = h * (spring.g_r + hk) - bent.dot(phi);
   RotationSystemOf<T> system{.hw_B = hw};
@@ -93,31 +101,13 @@ RotationSystemOf<T> implicit_rotation(const RigidBodyParamsOf<T>& body, const Sp
 }
 
 /// Adds the torque k_r turns_B of counted turns (16) to the system. Its axis lies midway between those of
-/// body and target, so its derivative is skew, as the [phi]x / 2 of (11).
-template <class T>
+/// body and target, so in axes of the end its derivative is skew, as the [phi]x / 2 of (11).
+template <TorqueAxes axes, class T>
 void add_turns(const SpringParamsOf<T>& spring, const Vector3<T>& turns_B, Real h,
                RotationSystemOf<T>& system) noexcept {
   const Vector3<T> impulse = T(h * spring.k_r) * turns_B;
-  system.A_B += skew<T>(T(Real(-0.5) * h) * impulse);
+  if constexpr (axes == TorqueAxes::end) system.A_B += skew<T>(T(Real(-0.5) * h) * impulse);
   system.b_B += impulse;
-}
-
-/// Returns the axial vector of the skew part of A.
-template <class T>
-Vector3<T> skew_part(const Matrix3<T>& A) noexcept {
-  return T(Real(0.5)) * Vector3<T>(A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1));
-}
-
-/// Returns the impulse of the skew part of the gyroscopic term (11) at the torque-free motion, body axes.
-/// The impulse does no work on that motion. hw_B: rho h w^, as in implicit_rotation().
-template <class T>
-Vector3<T> gyroscopic_impulse(const RigidBodyParamsOf<T>& body, const Vector3<T>& w_B, const Vector3<T>& hw_B,
-                              Real h) noexcept {
-  const Vector3<T> L = body.I_B * w_B;
-  Matrix3<T> A;
-  for (int j = 0; j < 3; ++j) A.col(j) = body.I_B.col(j) + hw_B.cross(body.I_B.col(j));
-  A += skew<T>(-h * L);
-  return -skew_part<T>(A).cross(solve3<T>(A, Vector3<T>(L + hw_B.cross(L))));
 }
 
 }  // namespace godobject

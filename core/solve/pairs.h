@@ -229,4 +229,10 @@ bool is_joined(std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexce
   return false;
 }
 
+/// True if the body touches anything or is joined.
+template <class Contacts, std::size_t N>
+bool is_in_island(std::uint32_t i, const BodyContactScratch<Contacts, N>& w) noexcept {
+  return w.touches[i] || is_joined(i, w);
+}
+
 }  // namespace godobject
