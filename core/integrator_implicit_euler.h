@@ -29,7 +29,7 @@ struct ImplicitEuler {
     begin_stage<S>({.relaxation_time = par.h}, x, w);
     begin_means(par, x, 0, w);
     const StageEnd end = solve_stage(par, x, par.h, true, targets_at_the_end(par, w), w);
-    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(par, g, end.h, w);
+    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = end_of_stage(par, g, end.h, w);
     end_coordinates(par, end.h, w);
     end_nodes(par, x, end.h, w);
     add_to_means(par, end.h / par.h, w);

@@ -111,7 +111,7 @@ struct TrBdf2 {
                    x, w);
     const StageEnd last = solve_stage(par, x, h_2, !still_smooth, targets_at_the_end(par, w), w);
     if (!last.solved || (still_smooth && has_penetration_jump(w))) return StepEnd::unsolved;
-    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = moved(par, g, last.h, w);
+    for (std::size_t g = 0; g < num_groups(par); ++g) w.next[g].x = end_of_stage(par, g, last.h, w);
     end_coordinates(par, still_smooth ? h : last.h, w);
     if (still_smooth && stop_changes(w)) return StepEnd::unsolved;
     if constexpr (uses<NetOf<S>>)
@@ -143,7 +143,7 @@ struct TrBdf2 {
       if constexpr (has_stages<S>) {
         // (64)
         const Matrix3<T>& I_B = inertia(par, g);
-        const RigidBodyStateOf<T> y_1 = moved(par, g, h_1, w);
+        const RigidBodyStateOf<T> y_1 = end_of_stage(par, g, h_1, w);
         const Vector3<T> T_1 = torque_of_stage<T>(I_B, w.bases[g], y_1, h_1);
         const Vector3<T> L_W =
             angular_momentum<T>(I_B, y.x) + T(b * par.h) * (torque<T>(I_B, y.x, y.alpha_B) + T_1);

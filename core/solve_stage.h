@@ -96,7 +96,7 @@ void begin_substep([[maybe_unused]] int k, [[maybe_unused]] int substeps, [[mayb
 template <Scene S>
 void follow_bases(const Params<S>& par, const State<S>& x, Real h_1, Scratch<S>& w) noexcept {
   add_to_means(par, h_1 / par.h, w);
-  for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = moved(par, g, h_1, w);
+  for (std::size_t g = 0; g < num_groups(par); ++g) w.bases[g] = end_of_stage(par, g, h_1, w);
   follow_coordinates(
       par, h_1, [&w](std::size_t i) { return lane(w.bases[i / lanes<S>], i % lanes<S>); }, w);
   follow_nodes(par, x, h_1, w);

@@ -289,8 +289,8 @@ decltype(auto) inertia(const Params<S>& par, std::size_t g) noexcept {
 
 /// Returns the bodies of a group at the end of the solved stage of length h.
 template <Scene S>
-RigidBodyStateOf<Lanes<S>> moved([[maybe_unused]] const Params<S>& par, std::size_t g, Real h,
-                                 const Scratch<S>& w) noexcept {
+RigidBodyStateOf<Lanes<S>> end_of_stage([[maybe_unused]] const Params<S>& par, std::size_t g, Real h,
+                                        const Scratch<S>& w) noexcept {
   using T = Lanes<S>;
   const RigidBodyStateOf<T>& base = w.bases[g];
   const StageVelocityOf<T>& V = w.velocities[g];
