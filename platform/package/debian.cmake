@@ -51,10 +51,15 @@ or simulated devices, checks them, and evaluates their recordings. Profiles
 of drives, example scenes, a systemd unit, udev rules and limits of a
 real-time group belong to it."
   DEPENDS adduser SUGGESTS "godobject-doc, can-utils, libhdf5-103-1")
+# godobject::program links what the program links.
+set(of_program "")
+if(TINYXML2_LIBRARY)
+  set(of_program ", libtinyxml2-dev")
+endif()
 godobject_package(dev libgodobject-dev libdevel "C++ libraries for haptic interaction with a physical simulation"
   "Headers, static libraries, a CMake package and pkg-config files of godobject's
 real-time core, hardware layer, platform and simulated devices, with examples."
-  DEPENDS "libeigen3-dev (>= 3.4)" SUGGESTS "cmake, pkg-config, godobject-doc")
+  DEPENDS "libeigen3-dev (>= 3.4)${of_program}" SUGGESTS "cmake, pkg-config, godobject-doc")
 godobject_package(doc godobject-doc doc "documentation of godobject"
   "Tutorials, how-to pages, references, theory and pictures, in Markdown.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t num_bricks = 12;
 template <class I, std::size_t blocks>
 struct Heap : TouchingBodies<I, num_bricks> {
-  using Contacts = BodyContacts<12 * num_bricks, num_bricks + 2, 36 * num_bricks, blocks>;
+  using Contacts = BodyContacts<12 * num_bricks, num_bricks + 2, 40 * num_bricks, blocks>;
 };
 constexpr std::size_t room = BodyContactScratch<BodyContacts<1, 1, 1>, num_bricks>::room, tenth = room / 10;
 static_assert(tenth > 0);
