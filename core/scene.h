@@ -136,8 +136,9 @@ template <class S>
 concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
 template <class S>
 concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
-template <class S> concept CoordinateTermsNeedStops = !uses<TermsOf<S>> || requires {
-  requires !TermsOf<S>::on_coordinates || uses<typename S::Joints::Stops>;
+template <class S>
+concept CoordinateTermsNeedStops = !uses<TermsOf<S>> || !TermsOf<S>::on_coordinates || requires {
+  requires uses<typename S::Joints::Stops>;
 };
 template <class S> concept NetNeedsBodyContacts = !uses<NetOf<S>> || ContactsOf<S>::between_bodies;
 template <class S> concept CouplingNeedsDevice = !uses<typename S::Coupling> || uses<typename S::Device>;
