@@ -74,7 +74,7 @@ def test_the_tool_is_where_the_trace_says(browser, folder):
             print_first_pictures(browser, scene, run.url)
             page = Page(browser, run.url)
             seen = []
-            for _ in range(6):
+            while len(seen) < 6 or (distance(seen[-1][1], seen[0][1]) < 2e-3 and len(seen) < 60):  # a held run rests
                 seen.append(seen_on(page, tool))
                 time.sleep(0.2)
             assert not page.errors(), page.errors()
