@@ -85,6 +85,8 @@ class EnergyBalance {
   Real energy() const noexcept { return energy_; }           // E, J
   Real balance() const noexcept { return energy_ - work_; }  // E - W, J
   const GainWatch& watch() const noexcept { return watch_; }
+  /// Returns the coupling of body i at the end of the last step; without gains if nothing pulls the body.
+  const CouplingAt& coupling(std::size_t i) const noexcept { return last_[i]; }
   /// True if the energy has increased without external work, beyond the tolerance.
   bool gains() const noexcept { return watch_.gains(); }
 

@@ -278,7 +278,7 @@ class EngineOf final : public Engine {
                .V_WB = {.w = to_world(x_.bodies[i].x.X_WB.q, x_.bodies[i].x.w_B), .v = x_.bodies[i].x.v_W},
                .target = x_.bodies[i].device.last,
                .feedback_D = feedback(i),
-               .coupling_B = coupling_at(par_, x_, i).F_WB,
+               .coupling_B = balance_.coupling(i).F_WB,
                .joint_C = {},
                .contact_W = {}};
     if constexpr (uses<typename S::Joints>) v.joint_C = out_.bodies[i].joint.F_C;
