@@ -68,7 +68,7 @@ Vector3<T> angular_velocity(const Matrix3<T>& I_B, const Quaternion<T>& q_WB,
 }
 
 /// Returns the angular velocity at the end of a stage (64), body axes. w_B: w+. q_WB: attitude at the end.
-/// Scaled down if its energy would exceed that of the base plus the work w+ . J, as after turns of a radian.
+/// It is scaled down if its energy would exceed that of the base plus the work w+ . J, as after a radian.
 template <class T>
 Vector3<T> angular_velocity_after(const Matrix3<T>& I_B, const StageImpulseOf<T>& J,
                                   const RigidBodyStateOf<T>& base, const Vector3<T>& w_B,

@@ -57,6 +57,15 @@ inline DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noex
   return drive == rig.drives.end() ? DriveProtocol::cia402 : drive->protocol;
 }
 
+/// Returns the calibration of the sensor that measures a joint, its encoder or else its drive; null without
+/// either.
+inline const Calibration* sensor_of(const RigParams& rig, const std::string& joint) noexcept {
+  const auto encoder = std::ranges::find(rig.encoders, joint, &EncoderParams::joint);
+  if (encoder != rig.encoders.end()) return &encoder->calibration;
+  const auto drive = std::ranges::find(rig.drives, joint, &DriveParams::joint);
+  return drive == rig.drives.end() ? nullptr : &drive->calibration;
+}
+
 /// True if the sensors and the drive of a joint turn: on a hinge, and on any actuator of a transmission.
 inline bool is_rotary(const RigParams& rig, const std::string& joint) {
   const auto moves = [&](const TransmissionParams& t) { return std::ranges::count(t.joints, joint) > 0; };

@@ -223,13 +223,11 @@ std::vector<PassivityParams> passivity_controllers(const SceneConfig& scene, con
   for (std::size_t i = 0; i < margins.joints.size(); ++i) {
     const SampledAxis& axis = margins.joints[i].axis;
     const DriveParams& drive = rig.drives[i];
-    const auto encoder = std::ranges::find(rig.encoders, drive.joint, &EncoderParams::joint);
-    const Calibration& sensor = encoder == rig.encoders.end() ? drive.calibration : encoder->calibration;
     controllers[i] = {.inertia = axis.inertia,
                       .damping = axis.damping,
                       .needed = axis.needed(),
                       .stiffness = axis.K,
-                      .resolution = 1 / sensor.counts_per_unit,
+                      .resolution = 1 / sensor_of(rig, drive.joint)->counts_per_unit,
                       .period_s = axis.period_s,
                       .delay = axis.delay,
                       // without SYNC a command acts within its period

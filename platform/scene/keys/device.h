@@ -262,12 +262,8 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
 
 /// Returns the speed of a joint from which the direction of its motion is certain: two counts a step.
 inline double certain_speed(const RigParams& rig, const std::string& joint, double step_s) {
-  const auto encoder = std::ranges::find(rig.encoders, joint, &EncoderParams::joint);
-  const auto drive = std::ranges::find(rig.drives, joint, &DriveParams::joint);
-  const double counts_per_unit = encoder != rig.encoders.end() ? encoder->calibration.counts_per_unit
-                                 : drive != rig.drives.end()   ? drive->calibration.counts_per_unit
-                                                               : 1;
-  return 2 / (counts_per_unit * step_s);
+  const Calibration* const sensor = sensor_of(rig, joint);
+  return 2 / ((sensor == nullptr ? 1 : sensor->counts_per_unit) * step_s);
 }
 
 /// plant: mechanics of the device, which the drives compensate.
