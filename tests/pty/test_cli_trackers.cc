@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/background_program.h"
+#include "tests/support/held_run.h"
 #include "tests/support/program.h"
 
 namespace godobject::test::test_cli_trackers {
@@ -21,15 +22,9 @@ class CliTrackers : public ProgramTest {
     EXPECT_EQ(far_->line(), "ready");
     return first.substr(first.find('/'));
   }
-  /// Runs the scene, again if a busy machine has held the pose. Returns the report.
+  /// Runs the scene. Returns the report.
   nlohmann::json run(const std::string& arguments) {
-    nlohmann::json report;
-    for (int attempt = 0; attempt < 10; ++attempt) {
-      result_ = run_program("run sim/scenes/tracked.toml " + arguments + " --report " + path("report.json"));
-      report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
-      if (!report.is_object() || !report["limits"].contains("deadlines")) break;
-    }
-    return report;
+    return run_unless_held("sim/scenes/tracked.toml " + arguments, path("report.json"), result_);
   }
 
   std::optional<BackgroundProgram> far_;

@@ -29,6 +29,7 @@
 #include "platform/linux/device_threads.h"
 #include "tests/support/background_program.h"
 #include "tests/support/free_port.h"
+#include "tests/support/held_run.h"
 #include "tests/support/loopback_server.h"
 #include "tests/support/program.h"
 #include "tests/support/tracker_thread.h"
@@ -164,13 +165,9 @@ TEST_F(OpenIgtLinkRun, ARunFollowsItsMessages) {
     replace("tool = \"01\"", "tool = \"probe\"");
     replace("stale_after = 0.1", "stale_after = 1.0");  // a busy machine
     ProgramResult result;
-    nlohmann::json report;
-    for (int attempt = 0; attempt < 10; ++attempt) {  // again if a busy machine has held the pose
-      result = run_program("run " + write("scene.toml", scene) + " --tracker scene --duration 1.5 --report " +
-                           path("report.json") + " --trace " + path("trace.csv"));
-      report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
-      if (!report.is_object() || !report["limits"].contains("deadlines")) break;
-    }
+    const nlohmann::json report = run_unless_held(
+        write("scene.toml", scene) + " --tracker scene --duration 1.5 --trace " + path("trace.csv"),
+        path("report.json"), result);
     EXPECT_EQ(result.exit_code, 0) << result.output;
     ASSERT_TRUE(report.contains("trackers")) << result.output;
     const nlohmann::json& tracker = report["trackers"][0];
