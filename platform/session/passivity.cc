@@ -199,10 +199,11 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
                                 .K = K(j, j),
                                 .B = B(j, j),
                                 .period_s = scene.step,
-                                .delay = delay_of(rig, drive)}};
-    margin.stable_alone = growth_per_period(margin.axis, -K_weight(j, j)) <= stable_growth;
+                                .delay = delay_of(rig, drive)},
+                       .K_weight = K_weight(j, j)};
+    margin.stable_alone = growth_per_period(margin.axis, -margin.K_weight) <= stable_growth;
     margin.stable_held =
-        growth_per_period(margin.axis, K_hand(j, j) - K_weight(j, j), D_hand(j, j)) <= stable_growth;
+        growth_per_period(margin.axis, K_hand(j, j) - margin.K_weight, D_hand(j, j)) <= stable_growth;
     result.joints.push_back(margin);
     driven.push_back(j);
   }
@@ -226,7 +227,7 @@ std::vector<PassivityParams> passivity_controllers(const SceneConfig& scene, con
     controllers[i] = {.inertia = axis.inertia,
                       .damping = axis.damping,
                       .needed = axis.needed(),
-                      .stiffness = axis.K,
+                      .stiffness = axis.K - margins.joints[i].K_weight,  // of the displayed torque
                       .resolution = 1 / sensor_of(rig, drive.joint)->counts_per_unit,
                       .period_s = axis.period_s,
                       .delay = axis.delay,

@@ -41,6 +41,7 @@ struct JointMargin {
   std::string joint;
   bool hinge = true;
   SampledAxis axis;
+  double K_weight = 0;  // part of axis.K that compensates the weight of the device's links
   bool stable_alone = true, stable_held = true;  // without a hand, and in the hand of [device.plant]
 };
 

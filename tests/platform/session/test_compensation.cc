@@ -177,6 +177,10 @@ TEST(Compensation, ItsStiffnessCountsInThePassivityOfAnAxis) {
   const double moment = mass * gravity * 0.1;  // N m; the arm is level at 0, and falls to -pi/2
   for (const double angle : {-1.5, -0.7, 0.0, 0.4, 1.5})
     EXPECT_NEAR(stiffness(angle) - of_feedback, moment * std::sin(angle), 1e-6) << angle;
+  // the controller acts on the displayed torque alone
+  JointVector q = JointVector::Zero(3);
+  q(2) = 0.4;
+  EXPECT_NEAR(passivity_controllers(scene, q).back().stiffness, of_feedback, 1e-6);
 }
 
 std::vector<std::string> errors_of(const std::string& text) { return parse_scene(text, "desk.toml").errors; }
