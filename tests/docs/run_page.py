@@ -77,6 +77,7 @@ class Reader:
     def __init__(self, folder, environment):
         self.folder, self.environment = pathlib.Path(folder), environment
         self.terminals = {}  # name: process
+        self.logs = []  # of all terminals
         self.paths = {}  # /dev/pts/N of the page: here
         self.output = lambda: ""  # of the command before, as far as it is there
         self.waits = False  # that command is still running
@@ -103,8 +104,7 @@ class Reader:
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=COMMAND_S)
         self.output, self.waits = lambda: done.stdout, False
         if done.returncode != wanted:
-            faults = set(FAULT.findall(done.stdout))
-            kind = Starved if faults and faults <= STARVED else Failed
+            kind = Starved if is_starved(done.stdout) else Failed
             raise kind(f"exit code {done.returncode}, not {wanted}:\n{commands}{done.stdout}")
 
     def open_terminal(self, name, command):
@@ -114,6 +114,7 @@ class Reader:
             process = subprocess.Popen(["bash", "-c", "exec " + command.strip()], cwd=self.folder, env=self.environment,
                                        stdin=subprocess.DEVNULL, stdout=out, stderr=out)
         self.terminals[name] = process
+        self.logs.append(log)
         self.output, self.waits = lambda: log.read_text(errors="replace"), True
         if "--view" in command:
             self.look(process)
@@ -180,6 +181,12 @@ class Reader:
         self.paths.update(zip(groups, found.groups()))
 
 
+def is_starved(output):
+    """True if it names faults that a busy machine makes, and no others."""
+    faults = set(FAULT.findall(output))
+    return bool(faults) and faults <= STARVED
+
+
 def skip(why):
     print("skipped:", why)
     sys.exit(SKIPPED)
@@ -220,7 +227,9 @@ def follow_page(text, source=None, program=None, build=None, before=""):
                 try:
                     reader.follow(block)
                 except Failed as failed:
-                    raise type(failed)(f"line {block.line}: {failed}") from None
+                    reader.close()  # a run prints its faults at its end
+                    starved = isinstance(failed, Starved) or any(is_starved(log.read_text(errors="replace")) for log in reader.logs)
+                    raise (Starved if starved else Failed)(f"line {block.line}: {failed}") from None
         finally:
             reader.close()
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "platform/trace/input_log.h"
+#include "tests/support/held_run.h"
 #include "tests/support/program.h"
 
 namespace godobject::test::test_replay {
@@ -18,8 +19,9 @@ class ReplayTest : public ProgramTest {
  protected:
   /// Runs a scene into run.godo and run.csv.
   void record(const std::string& scene, const std::string& options) {
-    const ProgramResult result = run_program("run " + scene + " --quiet --record " + path("run.godo") +
-                                             " --trace " + path("run.csv") + " " + options);
+    ProgramResult result;
+    run_unless_held(scene + " --quiet --record " + path("run.godo") + " --trace " + path("run.csv") + " " + options,
+                    path("run.json"), result);
     EXPECT_EQ(result.exit_code, 0) << scene << " " << options << "\n" << result.output;
   }
   ProgramResult replay(const std::string& options = "", const std::string& file = "run.godo") {
