@@ -187,14 +187,13 @@ void write_peer_stability(std::ostream& out, const PeerResults& results) {
 }
 
 constexpr const char* peers_method = R"(
-Couplings. MuJoCo: springs and dampers on slides and a ball, the springs' reference moved; on S3 actuators to a mocap body.
-The step's target is that of its start with Euler, implicit and implicitfast, its end with `discrete`, its middle with RK4.
-ODE: dWorldStep, motor rows that make it implicit Euler. Bullet, Rapier and "Jolt forces": forces with implicit denominators;
-"Jolt motors": six-axis motors to a kinematic target. Simbody evaluates the target at any instant; the accuracy of CPodes is
-(h / 1 s)^2. Bullet (double precision), Jolt and Rapier (single) receive the step's mean target velocity, ours and the
-others that of their instant. Contacts: MuJoCo's solref 0.02 0.5 was the calmest tried, in 2.2 0.02 1; Jolt's bricks are
-rounded by 0.5 mm. WASM times include the target's computation.
-Sources: tests/bench/peer, tests/bench/wasm; command: `./dev study --peers`.
+Couplings. MuJoCo: springs and dampers on slides and a ball, the springs' reference moved; on S3 actuators to a mocap
+body. The step's target is that of its start with Euler, implicit and implicitfast, its end with `discrete`, its middle
+with RK4. ODE: dWorldStep, motor rows that make it implicit Euler. Bullet, Rapier, "Jolt forces": forces with implicit
+denominators; "Jolt motors": six-axis motors to a kinematic target. Simbody evaluates the target at any instant; accuracy
+of CPodes: (h / 1 s)^2. Bullet (double precision), Jolt and Rapier (single) receive the step's mean target velocity.
+Contacts: MuJoCo's solref 0.02 0.5 was the calmest tried, in 2.2 0.02 1; Jolt's bricks are rounded by 0.5 mm. Sources:
+tests/bench/peer, tests/bench/wasm; command: `./dev study --peers`.
 )";
 
 }  // namespace

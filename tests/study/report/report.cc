@@ -19,7 +19,7 @@ void write_question(std::ostream& out, const StudyOptions& options) {
       << "Written by `" << options.command << "` on " << options.machine << "; built by "
       << build_description() << ".\n"
       << (options.quick ? "**A quick run: small grids, short scenes.** " : "")
-      << "Every number below comes from that run.\n\n"
+      << "Every number below comes from that run, but those of the map and of other engines.\n\n"
       << "## What was asked\n\n"
       << "Error against run time of each integrator; stability in stiff and extreme cases; what a part "
          "costs.\n\n";
@@ -27,10 +27,9 @@ void write_question(std::ostream& out, const StudyOptions& options) {
 
 constexpr const char* error_method = R"(## How
 
-**Error.** Against the [oracle](oracle.md), the largest over all multiples of 4 ms, of the worst body: distance of the
-centres of mass, angle between the attitudes; on S1 and S3 from 0.5 s on. The device's sample is the exact target at the
-end of each step. Time is the median over up to 1000 steps of the smallest composition. Instructions are those of S1
-(articulated tools: S3, or S5 with eight links).
+**Error.** Against the [oracle](oracle.md), the largest over all multiples of 4 ms, of the worst body; on S1 and S3 from
+0.5 s on. The device's sample is the exact target at the end of each step. Time is the median over up to 1000 steps of
+the smallest composition. Instructions are those of S1 (articulated tools: S3, or S5 with eight links).
 
 Drawn, 0.252 s each, against tr-bdf2 at 1/64 ms: released, a rod of 10 to 40 cm and 20 g to 1 kg, up to 10 cm and 2.5 rad
 from its target; led, the target swings at up to 2 Hz; chain, S5 of 2 to 5 links, the last up to 100 times heavier; top,
@@ -41,13 +40,12 @@ from its target; led, the target swings at up to 2 Hz; chain, S5 of 2 to 5 links
 constexpr const char* stability_method =
     R"( A rod of 0.1 kg (moments I, I, I / inertia ratio, I = 1e-3 kg m^2) on a spring
 with k_r = k (0.1 m)^2, g = ratio sqrt(m k), g_r = ratio sqrt(I k_r) starts at rest 0.1 m and 1 rad from its resting
-target. It runs for one period of the undamped spring, at least 1000 steps. The first of these that is true:
+target. It runs for one period of the undamped spring, at least 1000 steps. The first that is true:
 
-- *failed*: a fault, or more than 1e6 times the first energy;
-- *energy-gaining*: the energy rises between any two steps by more than 1e-9 of the first;
-- *dissipative*: in translation within the first period, more than 10 % of the first energy is gone that the exact
-  solution still has;
-- *stable*: none of these.
+- *failed*: a fault, or more than 1e6 times the first energy
+- *energy-gaining*: the energy rises between any two steps by more than 1e-9 of the first
+- *dissipative*: in translation within the first period, over 10 % of the first energy are gone that the exact solution has
+- *stable*: none of these
 
 The explicit scheme is semi-implicit Euler with the spring's force at the start of the step.
 
@@ -68,16 +66,11 @@ together. Failed: a fault, a joint apart by 0.1 m or 1 rad, or 100 times the dev
 static_assert(max_apart == 0.1 && max_apart_angle == 1 && max_energy_ratio_of_device == 100, "quoted above");
 
 constexpr const char* contacts_method =
-    R"(**Contacts.** press and bounce: against the solutions of their cases at multiples of 2 ms. An impact's time within a step
-matters, so only orders over all steps count. A bounce's error: the larger share of height and time.
-
-The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, pressed and dragged; 0.6 s, at most 2000
-steps; damping over 2 sqrt(m k); gain without the energy in contact springs.
-
-lego: energy is of bricks never held; one that leaves the board or is faster than 1 m/s is ejected. The residual is the
-worst force's deviation from its law or balance.
-
-Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
+    R"(**Contacts.** press and bounce: against the solutions of their cases at multiples of 2 ms. A bounce's error: the larger
+share of height and time. The map: a rod of 0.1 kg on five spheres, friction 0.5, thrown at a plane, pressed and dragged;
+0.6 s, at most 2000 steps; damping over 2 sqrt(m k); gain without the energy in contact springs. lego: energy is of
+bricks never held; one that leaves the board or is faster than 1 m/s is ejected. The residual is the worst force's
+deviation from its law or balance. Instructions: S2 (k = 1e4 N/m) from 2.5 to 3 s, S4 from 1.5 to 2 s.
 
 )";
 static_assert(ejected_speed == 1, "quoted above");
@@ -92,8 +85,7 @@ static_assert(red_gain == 0.01, "quoted above");
 
 constexpr const char* nets_method =
     R"(**Nets.** Small: 5 x 5 nodes on a body swayed for 0.128 s, free, or a corner pressed on a plane
-(tests/core/net/small_net.h). Error: farthest node or body at the end. Cost: S6, a tube pressed on a bar and drawn off for
-0.9 s.
+(tests/core/net/small_net.h). Error: farthest node or body at the end. Cost: S6, for 0.9 s.
 
 )";
 

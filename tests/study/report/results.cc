@@ -82,9 +82,10 @@ void write_error(std::ostream& out, const std::vector<ErrorRow>& rows) {
   out << R"(
 ![error against run time](figures/error.png)
 
-Where the line of tr-bdf2 breaks, longer steps turn the slender body too far and are taken as two implicit Euler stages.
+Where the line of tr-bdf2 breaks, longer steps are taken as two implicit Euler stages.
 
-At a step of 1 ms; worst errors of position (m) and rotation (rad); "order" of the last halving; drift of the joints:
+At 1 ms; worst errors of position (m) and rotation (rad); order of the last halving; drift of the joints; all steps:
+`error.csv`:
 
 | scene | integrator | m | order | rad | order | drift, m | drift, rad | ns/step | instr./step |
 |---|---|---|---|---|---|---|---|---|---|
@@ -100,12 +101,12 @@ At a step of 1 ms; worst errors of position (m) and rotation (rad); "order" of t
                               : "- | -")
           << " | " << number(r->ns_per_step) << " | " << whole(r->instructions_per_step) << " |\n";
     }
-  out << "\nAll steps: `error.csv`.\n\n";
+  out << '\n';
 }
 
 void write_random(std::ostream& out, const std::vector<RandomRow>& rows) {
   if (rows.empty()) return;
-  out << "The same with parameters drawn at random: error of " << TrBdf2::name << " at 1 ms over that of "
+  out << "Drawn at random (`error-random.csv`): error of " << TrBdf2::name << " at 1 ms over that of "
       << ImplicitEuler::name << R"( at 0.125 ms.
 
 | scenes | drawn | less accurate | position: median | 90 % | worst | rotation: median | 90 % | worst |
@@ -128,7 +129,7 @@ void write_random(std::ostream& out, const std::vector<RandomRow>& rows) {
     }
     out << " |\n";
   }
-  out << "\nAll of them: `error-random.csv`.\n\n";
+  out << '\n';
 }
 
 namespace {
@@ -175,8 +176,8 @@ void write_stability(std::ostream& out, const StudyResults& results) {
   out << '\n';
   for (const std::string scheme : stability_schemes)
     out << "![stability of " << scheme << "](figures/stability-" << scheme << ".png)\n\n";
-  out << R"(The explicit scheme's limit of h sqrt(k/m) in translation, by theory 2 (sqrt(z^2 + 1) - z) with z half the damping
-ratio, and found by bisection:
+  out << R"(The explicit scheme's limit of h sqrt(k/m) in translation, by theory (z half the damping ratio) 2 (sqrt(z^2 + 1) - z),
+and by bisection:
 
 )";
   for (const ExplicitLimit& l : results.explicit_limits)
