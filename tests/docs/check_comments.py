@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts the faults of comments and the old words of docs/notation.md; no file may have more than comment_counts.txt allows.
+"""Counts the faults of comments and the old words of tests/docs/words.md; no file may have more than comment_counts.txt allows.
 
 A file that is not listed there, such as a new or a moved one, may have none. The kinds of faults:
   opening   a comment begins with What, Where, Whether, It, That, These, Those, The same, Likewise, And or Of
@@ -8,7 +8,7 @@ A file that is not listed there, such as a new or a moved one, may have none. Th
   inverted  a comment begins with "false:", so that the boolean has the name of its opposite
   sentence  a sentence has more than 25 words
   wide      a line with a comment is longer than 110 columns
-  word      a comment, a name or a page of docs uses a word of the column "not" of the table in docs/notation.md
+  word      a comment, a name or a page of docs uses a word of the column "not" of the table in tests/docs/words.md
 
 usage: check_comments.py SOURCE_DIR [--report | --list [PATH] | --update]
   --report  prints the counts of each folder
@@ -25,7 +25,7 @@ import comment_blocks
 
 KINDS = ("opening", "what", "speech", "inverted", "sentence", "wide", "word")
 COUNTS = "tests/docs/comment_counts.txt"
-TABLE = "docs/notation.md"
+TABLE = "tests/docs/words.md"
 MAX_COLUMNS, MAX_WORDS = 110, 25
 OPENING = re.compile(r"(What|Where|Whether|It|That|These|Those|The same|Likewise|And|Of)\b(?!\()")
 SPEECH = re.compile(r"\b(say|says|said|tell|tells|told|ask|asks|asked|asking|know|knows|knew|want|wants|nobody|who|whom"
@@ -41,10 +41,6 @@ def old_words(notation):
         if inside:
             rows += re.findall(r"`([^`]+)`", line.split("|")[1])
     return re.compile(r"\b(" + "|".join(map(re.escape, rows)) + r")\b", re.I) if rows else None
-
-
-def without_table(page):
-    return "\n".join(line for line in page.splitlines() if not line.startswith("|")) if "| not " in page else page
 
 
 def sentences(text):
@@ -82,7 +78,7 @@ def faults_of_tree(root):
     words = old_words((root / TABLE).read_text()) if (root / TABLE).exists() else None
     found = {str(path): faults(comment_blocks.read(root, path), words) for path in comment_blocks.sources(root)}
     for path in sorted(root.glob("docs/**/*.md")) + sorted(root.glob("README.md")):
-        page = without_table(path.read_text())
+        page = path.read_text()
         found[str(path.relative_to(root))] = [
             ("word", number, f"{match.group(0)}: {line.strip()}") for number, line in enumerate(page.splitlines(), 1)
             for match in (words.finditer(line) if words else ())]
@@ -135,7 +131,8 @@ def finds_its_own_example():
         root = pathlib.Path(made)
         for folder in ("core/a", "docs", "tests/docs"):
             (root / folder).mkdir(parents=True)
-        (root / TABLE).write_text("Pages settle.\n\n| not | but |\n|---|---|\n| `settle`, `where flat` | resolve |\n")
+        (root / TABLE).write_text("| not | but |\n|---|---|\n| `settle`, `where flat` | resolve |\n")
+        (root / "docs/page.md").write_text("Pages settle.\n")
         (root / "core/a/bad.h").write_text(
             "// Of two.\n"
             "int a;  // the mass, or what is left\n"
@@ -148,7 +145,7 @@ def finds_its_own_example():
             '// Often. Mass, kg:\n//   m = rho V,\n//   a = f / m\nconst char* url = "http://what";  // Offset, m.\n' * 9)
         found = faults_of_tree(root)
         counts = {path: counts_of(faults) for path, faults in found.items()}
-        expected = {"core/a/bad.h": [1, 1, 1, 1, 1, 1, 2], "core/a/good.h": [0] * 7, TABLE: [0] * 6 + [1]}
+        expected = {"core/a/bad.h": [1, 1, 1, 1, 1, 1, 2], "core/a/good.h": [0] * 7, "docs/page.md": [0] * 6 + [1]}
         write_counts(root / COUNTS, counts)
         moved = {"core/b/bad.h": counts["core/a/bad.h"]}
         return (counts == expected and read_counts(root / COUNTS) == {k: v for k, v in counts.items() if any(v)}
