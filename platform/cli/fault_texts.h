@@ -46,7 +46,7 @@ inline constexpr std::array<CoreFaultText, 6> core_fault_texts{{
     {Fault::energy_gained,
      {"energy_gained",
       "total energy rose by more than 0.1 % within 1 s without external work; the simulation is not valid from "
-      "then on. A single step with more than 10 times the energy was not taken",
+      "then on. A single step beyond 10 times the energy was not taken",
       "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
       "tool"}},
 }};

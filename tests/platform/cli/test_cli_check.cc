@@ -156,6 +156,25 @@ TEST_F(CliCheck, AMisspeltMotionColumnIsNamedWithTheRightOne) {
   expect_both(rigid + " --motion " + joints, 2, "column 'shoulder' is missing: is 'sholder' misspelt?");
 }
 
+TEST_F(CliCheck, StatesTheRotationFromWhichStepsAreOfFirstOrder) {
+  const auto scene = [&](const std::string& body, const std::string& more) {
+    return write("spin.toml",
+                 "[scene]\nname = \"spin\"\nduration = 0.05\n[[body]]\nname = \"rod\"\nmass = 0.1\n"
+                 "inertia = [1e-4, 1e-4, 1e-4]\n" +
+                     body + more);
+  };
+  const auto counted = [](const std::string& file) { return run_program("run --fast " + file).output; };
+  const std::string net =
+      "[[net]]\nname = \"net\"\nbody = \"rod\"\nkind = \"sphere\"\nradius = 0.01\nspacing = 0.006\n"
+      "surface_density = 2.0\nmembrane_stiffness = 20.0\nsettling_time = 0.02\nthickness = 0.0\n";
+  EXPECT_THAT(run_program("check " + scene("", "")).output, HasSubstr("'rod' exceeds 500 rad/s"));
+  EXPECT_THAT(run_program("check " + scene("", net)).output, HasSubstr("'rod' exceeds 100 rad/s"));
+  EXPECT_THAT(counted(scene("angular_velocity = [0.0, 0.0, 90.0]\n", net)),
+              HasSubstr("first_order 1 cycles"));
+  EXPECT_THAT(counted(scene("angular_velocity = [0.0, 0.0, 110.0]\n", net)),
+              HasSubstr("first_order 50 cycles"));
+}
+
 TEST_F(CliCheck, ABadNodeIdIsReportedOnceAsItIsWritten) {
   const std::string scene = write("id.toml", rigid_with("node_id = 2\n", "node_id = 200\n"));
   const ProgramResult result = run_program("check " + scene);
