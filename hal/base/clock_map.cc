@@ -54,7 +54,7 @@ void ClockMap::fit(Nanoseconds tolerance) noexcept {
   for (std::size_t i = 0; i < num_points_; ++i) {
     const Point& p = points_[i];
     if (tolerance != no_tolerance && std::abs(residual(p)) > tolerance) continue;
-    // Relative to the newest point, because differences of absolute times in double are too coarse.
+    // Times are relative to the newest point, because differences of absolute times in double are too coarse.
     const auto x = static_cast<double>(p.device - newest.device);
     const auto y = static_cast<double>(p.offset - newest.offset);
     n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;

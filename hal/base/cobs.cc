@@ -29,7 +29,7 @@ CobsDecoder::Result CobsDecoder::push(std::uint8_t byte) noexcept {
   }
   if (byte == 0) return finish();
   if (left_ == 0) {
-    // A code byte: the previous block was not the last of the frame.
+    // The byte is a code byte, so the previous block was not the last of the frame.
     if (zero_pending_ && !store(0)) overflow_ = true;
     left_ = static_cast<std::uint8_t>(byte - 1);
     zero_pending_ = byte != 0xFF;

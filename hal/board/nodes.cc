@@ -19,7 +19,7 @@ BoardNodes::BoardNodes(double bit_rate) noexcept
       answer_ns_(
           duration_ns(worst_bits(cia406::make_position(1, 0)), {.nominal = bit_rate, .data = bit_rate})) {}
 
-// Byte by byte, because the last two frames are needed even if several arrive at once.
+// Decodes byte by byte, because the last two frames are needed even if several arrive at once.
 void BoardNodes::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) noexcept {
   for (const std::uint8_t& byte : bytes) {
     const EncoderFrame before = board_.frame();

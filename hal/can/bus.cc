@@ -15,7 +15,7 @@ struct ErrorText {
   std::string_view name, text;
 };
 
-// In the order of BusError.
+// Name and remedy of each error, in the order of BusError.
 constexpr std::array<ErrorText, 13> error_texts{{
     {"none", ""},
     {"acknowledge",

@@ -9,7 +9,7 @@ std::optional<BusState> state_of(std::uint32_t error_class, std::uint8_t status)
   if ((error_class & bus_off) != 0) return BusState::bus_off;
   if ((error_class & restarted) != 0) return BusState::error_active;
   if ((error_class & controller) == 0) return std::nullopt;
-  // The worse state of both directions: the kernel sets the bits of both if they are equal.
+  // Returns the worse state of both directions. The kernel sets the bits of both if they are equal.
   if ((status & passive) != 0) return BusState::error_passive;
   if ((status & warning) != 0) return BusState::error_warning;
   if ((status & active) != 0) return BusState::error_active;

@@ -275,7 +275,7 @@ bool LineReader::put(std::uint8_t byte) noexcept {
     return complete_ = true;
   }
   if (c == '\r' || c == '\n') {
-    if (last_end != '\0' && last_end != c) return false;  // the other half of the same end
+    if (last_end != '\0' && last_end != c) return false;  // second character of a CR LF pair
     end_ = c;
     complete_ = !overlong_;
     if (overlong_) size_ = 0;

@@ -46,8 +46,8 @@ SendResult PacedCanBus::send(const CanFrame& frame) noexcept {
     return result == SendResult::full && store(frame) ? SendResult::queued : result;
   }
   if (!is_valid(frame)) return SendResult::invalid;
-  // Stored before waiting frames are offered, otherwise an older command with this identifier may be sent
-  // first.
+  // The frame is stored before waiting frames are offered. Otherwise an older command with this identifier
+  // may be sent first.
   const bool stored = store(frame);
   offer_waiting();
   if (stored) return SendResult::queued;

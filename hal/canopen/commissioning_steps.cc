@@ -11,7 +11,8 @@ using canopen::ObjectType;
 
 namespace {
 
-constexpr double torque_tolerance = 0.02;  // devices round, and the product is of two rounded numbers
+// Relative: devices round 6076h, and the product of two rounded numbers deviates by both errors.
+constexpr double torque_tolerance = 0.02;
 
 SdoStep write(canopen::ObjectAddress address, ObjectType type, std::int64_t value, unsigned line,
               std::string hint = {}) {

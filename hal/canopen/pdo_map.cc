@@ -51,7 +51,7 @@ SdoStep as(SdoAction action, SdoStep written) {
 /// mapping is compared before its entries.
 void append_unless_same(std::vector<SdoStep> wanted, const std::vector<SdoStep>& change,
                         std::vector<SdoStep>& steps) {
-  // Not std::ranges: clang 14 does not compile its result.
+  // The algorithm is not that of std::ranges, whose result clang 14 does not compile.
   std::stable_partition(wanted.begin(), wanted.end(),
                         [](const SdoStep& step) { return step.address.sub == 0; });
   for (const SdoStep& step : wanted) steps.push_back(as(SdoAction::compare, step));

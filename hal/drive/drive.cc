@@ -63,7 +63,7 @@ DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) cons
 
 void Drive::sent(const DriveCommand& command, Nanoseconds now) noexcept {
   order_ = command.order;
-  if (!command.out.frame) return;  // torque within a request: request_sent() records it
+  if (!command.out.frame) return;  // a torque within the next request is recorded by request_sent()
   torque_Nm_ = command.order.torque_Nm;
   link_->sent(command.out, now);
 }

@@ -20,7 +20,7 @@ std::unique_ptr<DriveLink> make(const DriveParams& params, double cycle_s) {
   return std::make_unique<Link>(params, cycle_s);
 }
 
-// In the order of DriveProtocol.
+// Properties of each protocol, in the order of DriveProtocol.
 constexpr std::array<Protocol, drive_protocol_names.size()> protocols{{
     {make<Cia402Link>,
      {.max_torque_per_rated = cia402::max_torque_per_mille / 1000,

@@ -116,7 +116,8 @@ BusLoadParams usual_load(const RigParams& rig) noexcept {
   constexpr double resolution_s = 1e-3;  // resolution of object 1017h
   constexpr double per_timeout = 5;      // even the slowest node then sends two per timeout
   BusLoadParams load;
-  // the host's heartbeat may be fast for drives that supervise it; those of the nodes need not be
+  // The host's heartbeat may be fast for drives that supervise it. Heartbeats of the nodes need not be as
+  // fast.
   const double period_s = std::max(usual_s, rig.heartbeat_period_s);
   load.heartbeat_period_s = std::max(resolution_s, std::min(period_s, rig.heartbeat_timeout_s / per_timeout));
   load.host_heartbeat_period_s = std::min(rig.heartbeat_period_s, load.heartbeat_period_s);

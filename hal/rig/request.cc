@@ -34,9 +34,9 @@ bool Rig::begin_cycle(std::size_t bus, Nanoseconds now) noexcept {
   return false;
 }
 
-// True if a delay on this bus is in doubt and the last mark is long enough ago. That is after it was seen in
-// the answers of all nodes, or after the longest measurement. Distances grow, because with equal ones a delay
-// longer than a distance would look like a short one each time.
+// True if a delay on this bus is in doubt and the last mark is old enough. A mark is old once it was seen in
+// the answers of all nodes, or after the longest measurement. Distances between marks grow. With equal
+// distances, a delay longer than one would appear as a short delay each time.
 bool Rig::is_mark_due(std::size_t bus) noexcept {
   const Bus& on = buses_[bus];
   const std::uint64_t last_sync = on.syncs.num_syncs();

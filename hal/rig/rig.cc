@@ -18,7 +18,8 @@ std::uint64_t periods_of(double time_s, double cycle_s) noexcept {
   return static_cast<std::uint64_t>(std::ceil(time_s / cycle_s * (1 - rounding)));
 }
 
-/// Returns the greatest delay of a node's answers that is measured: a longer one is stale in any case.
+/// Returns the measurement of a node's delay up to the greatest delay of interest. Longer ones are stale in
+/// any case.
 AnswerDelay delay_within(const RigParams& params, double cycle_s, std::uint64_t every_nth) noexcept {
   return {every_nth, periods_of(params.stale_after_s, cycle_s) + every_nth - 1};
 }
@@ -255,7 +256,7 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
     return true;
   }
   ++to.refused_in_a_row;
-  // refusals of a bus that is cut off are reported by bus_down
+  // bus_down reports the refusals of a bus that is cut off
   if (to.refused_in_a_row >= max_refused_in_a_row && !is_cut_off(to.bus->state()))
     raise({.fault = RigFault::send_refused, .bus = bus});
   return false;

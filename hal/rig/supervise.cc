@@ -35,7 +35,8 @@ void Rig::check_buses() noexcept {
   }
 }
 
-// A pressed emergency stop raises the fault in every cycle, so clearing it is in vain until it is released.
+// Raises quick_stop in every cycle while an emergency stop is pressed. Clearing the fault has no effect
+// before its release.
 void Rig::check_stop_inputs() noexcept {
   for (const ButtonOnBus& button : buttons_)
     if (button.params.use == ButtonUse::stop && button.pressed)
@@ -69,8 +70,9 @@ void Rig::check_samples(Nanoseconds now) noexcept {
   }
 }
 
-// True if a sample is missing for too long; until then the pose is held and the force fades. Returns true at
-// once if the turn would become unknown. A delay that proved too long was so from its first mark.
+// True if a sample is missing for too long. Until then the pose is held and the force fades. Returns true at
+// once if the turn would become ambiguous. If a delay exceeds the measured range, the sample counts as
+// missing from the first mark on.
 bool Rig::lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
                Nanoseconds now) const noexcept {
   const Nanoseconds since = delay.beyond_reach() ? std::min(t_good, delay.t_beyond_ns()) : t_good;
@@ -145,7 +147,7 @@ void Rig::wait_for_drives(Nanoseconds now) noexcept {
 
 // True if a drive fails while it is being enabled. A fault from before is reset. A new fault, or the loss of
 // a power stage that was on, would recur, so the drive is not powered a second time. The fault is raised once
-// its code has arrived, because TPDO2 may bring it later than TPDO1 the state.
+// its code has arrived, because TPDO2 with the code may come later than TPDO1 with the state.
 bool Rig::failed_on_the_way(DriveOnBus& drive, Nanoseconds now) noexcept {
   const DriveTelemetry& seen = drive.drive.telemetry();
   const bool in_fault = seen.state == MotorState::fault;

@@ -90,8 +90,8 @@ void NdiTracker::restart(Nanoseconds now) noexcept {
     enter(TrackerState::initialising, "resetting the tracker on %.60s", params_.port.c_str());
 }
 
-/// Handles a failed attempt. The next attempt begins the other way: a line without breaks (USB, a network
-/// port) keeps its rate.
+/// Handles a failed attempt. The next attempt begins at the other rate, the default or the configured one: a
+/// line without breaks (USB, network) keeps its rate.
 void NdiTracker::give_up_or_restart(const char* why, Nanoseconds now) noexcept {
   if (was_tracking()) {
     ++report_.counters.restarts;
@@ -206,7 +206,7 @@ void NdiTracker::on_silence(Nanoseconds now) noexcept {
     go(Step::set_rate);  // the tracker may have ignored the break but still respond
     return;
   }
-  if (step_ == Step::poll && tries_ == 0) return;  // the poll was answered; the two sent polls got one answer
+  if (step_ == Step::poll && tries_ == 0) return;  // two polls were sent and one was answered
   ++report_.counters.timeouts;
   if (step_ == Step::poll && now - t_first_polled_ < poll_silence) return;
   const int allowed = step_ == Step::set_rate || step_ == Step::initialise ? 1 : max_tries;

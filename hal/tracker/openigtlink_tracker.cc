@@ -49,7 +49,8 @@ void OpenIgtLinkTracker::receive(std::span<const std::uint8_t> bytes, Nanosecond
   }
 }
 
-/// Counts bytes that cannot be read on. why: after the name of the server.
+/// Counts a malformed message, after which the byte stream cannot be decoded. why: text after the server's
+/// name.
 void OpenIgtLinkTracker::lose_track(const char* why) noexcept {
   ++report_.counters.malformed;
   is_unreadable_ = true;
@@ -79,7 +80,7 @@ void OpenIgtLinkTracker::take_message(Nanoseconds now) noexcept {
 void OpenIgtLinkTracker::take_pose(std::size_t tool, const Pose& X_TH, Nanoseconds t,
                                    Nanoseconds now) noexcept {
   const Nanoseconds stamp = receiver_.header().t == 0 ? now : receiver_.header().t;
-  // A clock that was set back by more goes on.
+  // A larger step back is a restarted clock, and the pose is accepted.
   if (stamp <= newest_[tool] && newest_[tool] - stamp < StampClock::step_limit) {
     ++report_.counters.repeated;
     return;
@@ -104,13 +105,13 @@ LineRequest OpenIgtLinkTracker::next(Nanoseconds now) noexcept {
     return {.kind = LineRequest::Kind::reopen};
   }
   if (!is_requested_) {
-    // As fast as the server measures, in the coordinates that it is set up for.
+    // Requests poses at the server's own rate (interval 0) and in its own coordinate system (empty name).
     is_requested_ = true;
     request_ = openigtlink::Message("STT_TDATA", "", 0);
     return {.kind = LineRequest::Kind::send, .bytes = request_.number(0, 4).text("", 32).finish()};
   }
   if (report_.state == TrackerState::initialising && now >= boot_deadline_) {
-    report_.state = TrackerState::failed;  // with the text so far
+    report_.state = TrackerState::failed;  // the report keeps the text of the last failure
     return {.kind = LineRequest::Kind::reopen};
   }
   return {};

@@ -127,7 +127,8 @@ RecordReceiver::Event RecordReceiver::push(std::uint8_t byte) noexcept {
       in_step_ = true;
       return Event::record;
     }
-    if (result == ParseResult::bad_value && size > 0 && in_step_) {  // the following bytes are in step
+    // The record is complete, so the next byte begins a record.
+    if (result == ParseResult::bad_value && size > 0 && in_step_) {
       drop(size);
       return Event::malformed;
     }

@@ -28,7 +28,7 @@ void PoseTrack::push(const Pose& X, Nanoseconds t, Nanoseconds now) noexcept {
     if (X.q.dot(before.X.q) < 0) added.X.q.coeffs() = -X.q.coeffs();
     added.knot = std::max(t + period / 2, before.knot + period / 4);
   }
-  if (size_ >= 3) {  // the first sample has no knot of its own yet
+  if (size_ >= 3) {  // the first sample has no knot
     // Delay that was needed until this sample: the path ended at the knot of the sample before the last.
     const Nanoseconds needed = now - sample(1).knot;
     const auto excess = static_cast<double>(wanted_delay_ - needed);

@@ -76,13 +76,13 @@ void add_options(std::string& page, const CLI::App& verb) {
 void add_verb(std::string& page, const CLI::App& verb, const std::string& path) {
   page += ".SS " + roff(path) + "\n" + roff(verb.get_description()) + "\n";
   add_options(page, verb);
-  const CLI::App* const parent = verb.get_parent();  // which leaves its own footer to its verbs
+  const CLI::App* const parent = verb.get_parent();  // a parent passes its own footer to its verbs
   if (parent != nullptr && verb.get_footer() != parent->get_footer())
     page += ".PP\n" + roff(verb.get_footer()) + "\n";
   for (const CLI::App* sub : verbs_of(verb)) add_verb(page, *sub, path + " " + sub->get_name());
 }
 
-/// Returns a manual page up to its synopsis. about: the NAME section has it without its full stop.
+/// Returns a manual page up to its synopsis. about: line of the NAME section, whose full stop is removed.
 std::string man_head(const std::string& name, std::string about, const std::string& version) {
   std::string title = roff(name);
   std::ranges::transform(title, title.begin(),

@@ -95,7 +95,7 @@ bool SerialPort::open(const std::string& path, const SerialSettings& settings) {
   if (fd_ < 0) return fail("cannot be opened: " + text_of(errno) + remedy_of(errno));
   if (isatty(fd_) == 0) return fail("is not a terminal; give a serial port like /dev/ttyUSB0 or /dev/pts/3");
   if (flock(fd_, LOCK_EX | LOCK_NB) != 0) return fail("is in use by another program: fuser -v names it");
-  // Not on a pseudo-terminal: there the flag would outlive this program and lock out the next one.
+  // A pseudo-terminal is excluded: there the flag would outlive this program and exclude the next one.
   if (!is_pseudo_terminal(fd_) && ioctl(fd_, TIOCEXCL) != 0)
     return fail("cannot be opened exclusively: " + text_of(errno));
   state_ = SerialState::open;

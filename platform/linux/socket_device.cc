@@ -149,7 +149,7 @@ void SocketDevice::accept_program() noexcept {
     loop::close(fd);
     return;
   }
-  // The kernel's smallest buffer holds a few wrenches, so that a slow program does not display old ones.
+  // The kernel's smallest buffer holds a few wrenches. A slow program therefore does not display old ones.
   static_cast<void>(loop::set_send_buffer(fd, 0));
   program_ = fd;
   number_ = 0;

@@ -30,7 +30,7 @@ namespace py = pybind11;
 namespace godobject {
 namespace {
 
-constexpr std::uint64_t steps_between_signals = 4096;  // Ctrl-C is noticed after so many steps
+constexpr std::uint64_t steps_between_signals = 4096;  // steps between two checks for Ctrl-C
 
 /// Errors of a scene or a motion, thrown as the Python exception of this name of godobject.errors.
 struct Refused {

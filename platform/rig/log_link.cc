@@ -113,14 +113,14 @@ void LogLink::add(std::size_t bus, const ReceivedFrame& frame) {
   }
 }
 
-/// Notes when the host that wrote the log has shut the nodes down: its command after a cycle, with no start
-/// later.
+/// Notes when the host that wrote the log shut the nodes down: a command to stop after a cycle, without a
+/// later start.
 void LogLink::note_nmt(canopen::NmtCommand command, Nanoseconds t) noexcept {
   if (command == canopen::NmtCommand::start) shut_down_ = end_of_time;
   else if (!begins_.empty()) shut_down_ = std::min(shut_down_, t);
 }
 
-/// Adds the cycles in which the host has left SYNC out: its heartbeat then stands alone between two SYNCs.
+/// Adds the cycles in which the host left SYNC out. Its heartbeat is then alone between two SYNCs.
 void LogLink::add_cycles_without_sync() {
   for (const Nanoseconds began : heartbeats_) {
     const auto next = std::ranges::upper_bound(begins_, began);

@@ -119,7 +119,7 @@ BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
   return result;
 }
 
-/// Gives the file up: all unwritten and all later text is lost.
+/// Abandons the file: all unwritten and all later text is lost.
 void BackgroundFile::State::fail(std::string reason) {
   if (failed) return;
   failed = true;

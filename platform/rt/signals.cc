@@ -63,7 +63,7 @@ void write_all(int descriptor, std::string_view bytes) noexcept {
 
 /// Writes the last frames, once. Returns true if there were any.
 bool speak() noexcept {
-  if (!BusWrite::end()) {  // another thread writes them, and dies afterwards
+  if (!BusWrite::end()) {  // another thread writes them and then dies of its signal
     for (int ms = 0; ms < 4 * patience_ms && !done; ++ms) sleep_ms(1);
     return false;
   }
@@ -89,7 +89,7 @@ void on_deadly_signal(int signal) {
     say(deadly.name);
     say(spoken ? motors_off : "\n");
   }
-  // Pending until the handler returns; then handled by the default action, including the core dump.
+  // The signal stays pending until the handler returns. Its default action, including the core dump, follows.
   std::signal(signal, SIG_DFL);
   static_cast<void>(raise(signal));
   errno = error;

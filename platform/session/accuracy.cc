@@ -12,7 +12,7 @@ namespace godobject {
 namespace {
 
 constexpr int reference_ratio = 8;   // shortest step over that of the reference
-constexpr double settling_s = 0.25;  // in which couplings forget the ramp of engaging
+constexpr double settling_s = 0.25;  // couplings converge within it after the ramp of engaging
 
 /// Returns how often a goes into b; 0 unless it does so a whole number of times.
 std::uint64_t times_within(double a, double b) {

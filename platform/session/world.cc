@@ -10,7 +10,7 @@
 namespace godobject {
 namespace {
 
-// Bounds of values that are possible in a room with a tool.
+// Bounds of plausible values in a room with a tool.
 constexpr double max_distance = 100, max_speed = 10;            // m, m/s
 constexpr double max_stiffness = 1e6, max_plane_damping = 1e4;  // N/m, N s/m
 constexpr double max_valid_s = 1, max_extrapolated_s = 0.1;     // s
@@ -261,7 +261,7 @@ void WorldPlanes::end(const Engine& engine, double t) noexcept {
 void WorldPlanes::observe(const Engine& engine) noexcept {
   std::array<double, max_world_planes> F_before{};
   for (std::size_t i = 0; i < tracks_.size(); ++i) F_before[i] = std::exchange(tracks_[i].F, 0);
-  // Late impulses may do more work on the other simulation than the tool has lost. It gets less of them then.
+  // Late impulses may do more work on the other simulation than the tool has lost. They are then scaled down.
   const double passed_on = std::clamp(1 + credit_J() / limits_.allowance_J, 0.0, 1.0);
   double dissipated_J = 0;
   Vec3 f_W = Vec3::Zero(), tau_W = Vec3::Zero();

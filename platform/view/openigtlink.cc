@@ -1,4 +1,4 @@
-// Server of OpenIGTLink: see live.h.
+// Server of OpenIGTLink, declared in live.h.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -192,7 +192,7 @@ void OpenIgtLinkServer::send_rest(Client& client) {
   if (client.unsent.empty()) return;
   const ssize_t size =
       send(client.descriptor, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-  // A client that is gone is removed when it is read.
+  // A disconnected client is removed when it is read.
   if (size > 0) client.unsent.erase(client.unsent.begin(), client.unsent.begin() + size);
 }
 

@@ -165,7 +165,8 @@ void Client::on_upload_started(const Message& message, std::size_t size) noexcep
 
 void Client::on_upload_segment(const Message& message, std::size_t size) noexcept {
   const std::span<const std::uint8_t> data = segment_data(message);
-  const bool whole = data.size() == segment_capacity;  // or its size is not indicated
+  // True also if the message does not indicate the size of its data.
+  const bool whole = data.size() == segment_capacity;
   if (!whole && size - 1 < data.size()) {
     give_up(TransferState::bad_answer, AbortCode::wrong_length);
     return;

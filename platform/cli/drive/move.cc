@@ -80,7 +80,7 @@ const TypedObject& target_of(CommandKind kind) noexcept {
 
 class Move {
  public:
-  /// out: buffered, so that a blocked terminal does not keep the motor moving.
+  /// out: file or terminal, buffered, so that a blocked terminal does not keep the motor moving.
   Move(DriveDialogue& drive, const MoveOptions& options, BackgroundFile& out)
       : drive_(drive), node_(drive.node()), options_(options), out_(out), ramp_(options.duration) {}
 

@@ -28,7 +28,7 @@ std::vector<std::string> bus_names(const SceneConfig& scene) {
 constexpr double seconds_before_fault = 10, seconds_after_fault = 1;
 constexpr std::size_t max_scene_file_bytes = std::size_t{256} << 20;
 
-/// Reads the files that the scene refers to. Those that cannot be read any more are left out.
+/// Reads the files to which the scene refers. Omits files that have become unreadable.
 std::vector<InputLogFile> files_of(const SceneConfig& scene, const std::string& scene_file) {
   std::set<std::string> names;
   for (const ObstacleConfig& obstacle : scene.obstacles) names.insert(obstacle.file);

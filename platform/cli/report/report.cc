@@ -61,7 +61,8 @@ void add_recoveries(const std::vector<Recovery>& recoveries, std::vector<FaultRe
 /// Adds the fault `held` if the pose was held for too long, with its causes and the slowness of the buses.
 void add_held(const RunReport& report, std::vector<FaultReport>& faults) {
   const RunStatistics& statistics = report.result.statistics;
-  // Faults of the rig, themselves reported, begin with missing samples; a tracker's tool may be hidden.
+  // Samples are not counted after a fault of the rig, which is reported itself and begins with missing
+  // samples. They are not counted for trackers, whose tools may be hidden.
   const bool counts_samples = report.session.rig() != nullptr && !any(statistics.rig_faults);
   const std::uint64_t held_cycles = counts_samples ? statistics.held_cycles : statistics.hold_cycles;
   const auto held = static_cast<double>(held_cycles), cycles = static_cast<double>(statistics.cycles);

@@ -23,7 +23,7 @@ constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
 constexpr std::size_t state_ring = 4;  // there is a state each second, or more often
 constexpr std::chrono::milliseconds drain_interval{10};
-// Shorter than a step, for runs that a page slows down.
+// Interval in runs that a page slows down, shorter than a step.
 constexpr std::chrono::microseconds paused_interval{200};
 // Text kept for a blocked terminal or pipe, and the time to wait for it at the end.
 constexpr std::size_t console_bytes = 1 << 16;
@@ -129,7 +129,8 @@ class Drain {
   }
 
  private:
-  /// Adds the state after the previous cycle, if there is one. It was pushed before the row of this cycle.
+  /// Adds the state after the previous cycle, if there is one. Its ring receives it before the row of this
+  /// cycle.
   void add_state_before(std::uint64_t cycle) {
     while (state_.cycle + 1 < cycle)
       if (!states_.try_pop(state_)) return;

@@ -25,7 +25,7 @@ void apply_overrides(const RunOptions& options, SceneConfig& scene) {
   scene.step = *options.step;
   if (!has_rig(scene)) return;
   RigParams& rig = *scene.device->rig;
-  // Samples come once per step, so a longer step needs a longer stale time.
+  // The stale time grows with the step, because there is one sample per step.
   rig.stale_after_s = std::max(rig.stale_after_s, min_stale_steps * scene.step);
   rig.lost_after_s = std::max(rig.lost_after_s, rig.stale_after_s);
 }

@@ -22,7 +22,7 @@ bool Recoveries::again() {
   note();
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
-  // A device armed again would have the same fault again.
+  // Faults of this kind would recur in a device that is armed again.
   if (any(session_.rig()->faults() & never_rearmed)) return false;
   // A drive that failed when enabled, before any step, would fail again.
   if (any(session_.rig()->faults() & RigFault::drive_error) && !cycle_.t_fault_ns()) return false;
@@ -77,7 +77,8 @@ bool Recoveries::reopen() {
     bool all_back = true;
     for (std::size_t i = 0; i < link.num_buses(); ++i) {
       LinuxBus& bus = link.bus(i);
-      // A pseudo-terminal opened again would be another one, while its other end returns to this one.
+      // A pseudo-terminal is not opened again: it would be a new one, while the other end returns to this
+      // one.
       if (is_cut_off(bus.state()) && !real_->has_other_end(i)) {
         bus.close();
         static_cast<void>(bus.open());  // trouble() has the reason

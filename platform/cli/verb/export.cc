@@ -76,7 +76,7 @@ class OutputFile {
       return named() + ": '" + part() + "' is left of another export: remove it";
     return "";
   }
-  /// Marks that the part exists, or is about to.
+  /// Marks that the part exists or is about to be created.
   void begin() noexcept { is_begun_ = true; }
   /// Opens the part for write().
   std::string open() {
@@ -87,7 +87,7 @@ class OutputFile {
   bool write(std::string_view bytes) {
     return static_cast<bool>(stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())));
   }
-  /// Gives the complete part its name. Returns empty or the error.
+  /// Renames the complete part to its final name. Returns empty or the error.
   std::string finish(bool is_complete, bool force) {
     if (stream_.is_open()) stream_.close();
     if (!is_complete || stream_.fail())
@@ -97,7 +97,7 @@ class OutputFile {
       return named() + " exists now: give another name, or --force";
     std::error_code error;
     if (fs::exists(part(), error))
-      fs::rename(part(), path_, error);  // --force, or a file system without this
+      fs::rename(part(), path_, error);  // with --force, or on a file system without RENAME_NOREPLACE
     is_begun_ = static_cast<bool>(error);
     return error ? named() + " cannot be written: " + error.message() : "";
   }
@@ -110,7 +110,7 @@ class OutputFile {
   bool is_begun_ = false;  // true if the part may exist
 };
 
-/// Destinations of rows or frames. Files that are not wanted are not opened.
+/// Destinations of rows or frames. Opens the requested files only.
 class Outputs {
  public:
   explicit Outputs(const ExportOptions& options)

@@ -27,7 +27,7 @@ CanFrame device_type_request(std::uint8_t node) {
                          sdo::make_plain(sdo::Request::initiate_upload, {0x1000, 0}));
 }
 
-/// The services of one call, in their order; the first failure ends it.
+/// Runs the services of one call in their order. The first failure ends the call.
 class LssCall {
  public:
   explicit LssCall(const LssOptions& options) : options_(options), master_(options.dialogue.timeout_ns()) {}

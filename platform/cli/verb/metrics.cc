@@ -125,7 +125,7 @@ class TraceSamples {
     subjects.push_back(std::move(subject));
   }
 
-  /// Returns false if a number is not finite, or no pose.
+  /// Returns false if a number is not finite, or if the quaternion is zero.
   bool add_to(Subject& s) const {
     const double* const x = &numbers_[s.pose];
     const Quat q(x[3], x[4], x[5], x[6]);

@@ -42,7 +42,7 @@ std::vector<RtStep> check_port(const BusCheck& bus) {
   return {check_serial_port(bus.name, parse_serial_address(bus.where, 0).path, bus.root)};
 }
 
-// One row for each kind.
+// Kinds of buses, one row each.
 constexpr std::array backends{
     BusBackend{.name = "socketcan",
                .where = "INTERFACE, e.g. socketcan:can0",

@@ -162,8 +162,8 @@ void ReplayBus::close() noexcept {
   why_.clear();
 }
 
-/// Parses up to the next frame of the interface that passes the filters. Time never goes back, because logs
-/// of several interfaces have lines out of order by some microseconds.
+/// Parses up to the next frame of the interface that passes the filters. Time never decreases: logs of
+/// several interfaces have lines out of order by some microseconds.
 bool ReplayBus::take_next() noexcept {
   has_next_ = false;
   while (!has_next_ && position_ < log_.size()) {

@@ -23,8 +23,9 @@ double mean_edge(const MeshData& data) {
 /// Returns the number of grid cells of this spacing in a box with these edges, including cut ones.
 double cells_in(const Vec3& edges, double spacing) { return (edges.array() / spacing + 1).prod(); }
 
-/// Returns the smallest spacing, doubled from `spacing`, that bounds the grid and the time to fill it.
-/// Otherwise a few large triangles among many small ones would lie in millions of cells each.
+/// Returns the smallest spacing, doubled from `spacing`, that bounds the size of the grid and the time to
+/// fill it. Without the bound, a few large triangles among many small ones would lie in millions of cells
+/// each.
 double bounded_spacing(const MeshData& data, double spacing) {
   Vec3 low = data.vertices.front(), high = low;
   for (const Vec3& p : data.vertices) {

@@ -90,7 +90,7 @@ class UrdfReader {
     ++robot_.left_out[name];
     if (!known) log_.warning(place_of(e), "element " + name + " is left out: this program does not read it");
   }
-  /// Leaves out children with other names than these.
+  /// Ignores children with other names than these.
   void leave_out_others(const XMLElement& e, std::initializer_list<std::string_view> read,
                         std::initializer_list<std::string_view> known) {
     for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement())

@@ -104,7 +104,7 @@ class Canvas {
   }
   /// Sets the opacity of all further drawing.
   void set_opacity(double opacity) { opacity_ = opacity; }
-  /// Puts all further drawing in front of the present one.
+  /// Draws all further items in front of the present picture.
   void clear_depth() { std::ranges::fill(depth_, 0.0); }
 
   Image image() const {

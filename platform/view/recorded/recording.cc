@@ -98,7 +98,7 @@ void add_contact(std::size_t body, const Wrench& F_W, ViewSample& sample) {
   sample.num_touching = sample.touching.size();
 }
 
-/// Reads the numbers of joints and drives. like: has storage for them.
+/// Reads the numbers of joints and drives. like: record with storage for them.
 void read_values(Row& row, const ViewBodies& bodies, const Columns& columns, CycleRecord& record) {
   if (columns.wrenches) {
     row.skip_to(*columns.wrenches);

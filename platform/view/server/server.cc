@@ -210,7 +210,7 @@ void Hub::run_thread() {
     const ThreadSetup setup("view");
     try {
       io_.run();
-    } catch (const std::exception& error) {  // out of memory: the run goes on without its view
+    } catch (const std::exception& error) {  // out of memory: the run continues without its view
       if (log_) log_(std::string("the view has ended: ") + error.what());
     }
   });
