@@ -1,5 +1,5 @@
 // A SpaceMouse as the device, in rate control: the deflection of its cap sets the velocity of the target. The
-// cap travels only a millimetre and springs back (docs/decisions/051-spacemouse.md).
+// cap travels only a millimetre and springs back.
 #pragma once
 
 #include <algorithm>
