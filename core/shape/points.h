@@ -44,6 +44,12 @@ inline Real round_radius(const ShapeParams& shape) noexcept {
   return shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::capsule ? shape.radius : 0;
 }
 
+/// Returns half the distances of the points of a shape along its axes, m.
+inline Vec3 points_apart(const ShapeParams& shape) noexcept {
+  if (shape.kind == ShapeKind::box) return shape.half_extents;
+  return Vec3(0, 0, shape.kind == ShapeKind::capsule ? shape.half_length : 0);
+}
+
 /// Returns point j of a shape. thinnest: half thickness of the shape, or less for the ball in a corner, m.
 inline ShapePoint point_of(const ShapeParams& shape, std::uint32_t j, Real thinnest) noexcept {
   if (shape.kind == ShapeKind::sphere) return {.r = shape.radius};

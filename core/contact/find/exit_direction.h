@@ -86,20 +86,41 @@ struct SinkingAxis {
   std::uint32_t number = none;  // packed axis id: box on its body, body a or b, face 0 to 5
   Vec3 n_W = Vec3::UnitZ();     // normal, from b to a
   Real depth = std::numeric_limits<Real>::infinity();
+  Vec3 p_W = Vec3::Zero();  // point that is deepest behind the face, m
 
   static constexpr std::uint32_t of(std::uint32_t box, bool of_a, int face) noexcept {
     return box << 4 | (of_a ? 8u : 0u) | static_cast<std::uint32_t>(face);
   }
 };
 
-/// Returns the extent of a body in a direction, with its spheres and shapes.
+/// Part of a body that is farthest in a direction.
+struct Farthest {
+  Real reach = -std::numeric_limits<Real>::infinity();  // coordinate along the direction, m
+  Vec3 p_W = Vec3::Zero();                              // m
+
+  void include(Real one, const Vec3& at_W) noexcept {
+    if (one > reach) *this = {.reach = one, .p_W = at_W};
+  }
+};
+
+/// Returns the part of a body, with its spheres and shapes, that is farthest in a direction. From an edge or
+/// face that lies flat to the direction the point is in its middle.
 template <class Contacts, std::size_t N>
-Real reach_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
+Farthest farthest_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
   const auto& owned = w.owned[body];
-  Real reach = -lowest_along(-n_W, w.packs.data() + owned.first_pack, owned.num_packs());
-  for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o)
-    reach = std::max(reach, reach_along(n_W, w.placed[o]));
-  return reach;
+  const Real flat = std::sqrt(1 - same_normal * same_normal);
+  Farthest farthest;
+  for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
+    const PlacedShape& shape = w.placed[o];
+    const Vec3 side = (shape.R_WS().transpose() * n_W / flat).cwiseMin(1).cwiseMax(-1);
+    farthest.include(reach_along(n_W, shape),
+                     shape.p_W() + shape.R_WS() * points_apart(shape.in_world()).cwiseProduct(side));
+  }
+  for (std::uint32_t s = 0; s < owned.end_sphere - owned.first_sphere; ++s) {
+    const Sphere one = sphere(&w.packs[owned.first_pack], s);
+    farthest.include(n_W.dot(one.p_W) + one.r, one.p_W);
+  }
+  return farthest;
 }
 
 /// Returns the axis along which bodies a and b are least deep, or the axis of the given number, if any.
@@ -114,8 +135,10 @@ SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, s
         const std::uint32_t one = SinkingAxis::of(o - owned.first_surface, of_a, face);
         if (number != SinkingAxis::none && one != number) continue;
         const Vec3 n_W = face_normal(w.placed[o], of_a ? face ^ 1 : face);
-        const Real depth = reach_along(w, b, n_W) + reach_along(w, a, -n_W);
-        if (depth < least.depth) least = {.number = one, .n_W = n_W, .depth = depth};
+        const Farthest of_b = farthest_along(w, b, n_W), on_a = farthest_along(w, a, -n_W);
+        const Real depth = of_b.reach + on_a.reach;
+        if (depth < least.depth)
+          least = {.number = one, .n_W = n_W, .depth = depth, .p_W = of_a ? of_b.p_W : on_a.p_W};
       }
     }
   }

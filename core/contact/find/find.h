@@ -19,7 +19,7 @@ namespace godobject {
 /// evaluated at the time of touching.
 template <class Contacts, std::size_t N>
 BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t o,
-                        std::uint32_t b, std::uint32_t q, std::uint64_t key,
+                        std::uint32_t b, std::uint32_t q, std::uint64_t key, bool may_be_sunk,
                         NearContacts<Contacts::max_contacts>& near) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
   const Real travel = w.owned[a].travel + (b < N ? w.owned[b].travel : 0),
@@ -48,10 +48,8 @@ BoxesAre find_crossings(const ContactFinder<Contacts, N>& w, std::uint32_t a, st
     at.p_W += at.d / 2 * at.n_W;  // between the edges, so that the order of the bodies does not matter
     add_near(w, at, infinity, near);
   };
-  const auto add_end = [&](bool may_be_sunk) noexcept {
-    return each_crossing(w.placed[o], w.placed[q], may_be_sunk, add);
-  };
-  const BoxesAre at_end = add_end(true);
+  const auto add_end = [&](bool may) noexcept { return each_crossing(w.placed[o], w.placed[q], may, add); };
+  const BoxesAre at_end = add_end(may_be_sunk);
   if (!sweeps || were_separated ||
       (at_end == BoxesAre::in_touch && !(travel > sunk_depth / edge_reach * reach)))
     return at_end;
@@ -92,10 +90,10 @@ void find_on_axes(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uin
 }
 
 /// Finds crossings of the boxes and capsules of body a with those among [first, end) of body b, or the world.
-/// Returns true if two boxes are sunk.
+/// Returns true if two boxes may be sunk and are.
 template <class Contacts, std::size_t N>
 bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
-                   std::uint32_t first, std::uint32_t end,
+                   std::uint32_t first, std::uint32_t end, bool may_be_sunk,
                    NearContacts<Contacts::max_contacts>& near) noexcept {
   const auto& on_a = w.owned[a];
   bool are_sunk = false;
@@ -105,15 +103,15 @@ bool find_on_edges(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::ui
       if (!has_edges(of) || !has_edges(on)) continue;
       const std::uint64_t key = pair | edges_key(o - on_a.first_surface, q - first, 0);
       if (of == ShapeKind::box && on == ShapeKind::box)
-        are_sunk |= find_crossings(w, a, o, b, q, key, near) == BoxesAre::sunk;
+        are_sunk |= find_crossings(w, a, o, b, q, key, may_be_sunk, near) == BoxesAre::sunk;
       else find_on_axes(w, a, o, b, q, key, near);
     }
   }
   return are_sunk;
 }
 
-/// Adds one contact along one axis for sunk bodies, between their centres of mass, because no contact point
-/// is defined. The axis is kept until they have separated.
+/// Adds one contact along one axis for sunk bodies, at the deepest point behind its face. The axis is kept
+/// until they have separated.
 template <class Contacts, std::size_t N>
 void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32_t b, std::uint64_t pair,
                std::uint32_t before, NearContacts<Contacts::max_contacts>& near) noexcept {
@@ -125,7 +123,7 @@ void find_sunk(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::uint32
             .a = a,
             .b = b,
             .d = axis.depth,
-            .p_W = 0.5 * (w.at[a].p_W + w.at[b].p_W),
+            .p_W = axis.p_W,
             .n_W = axis.n_W},
            std::numeric_limits<Real>::infinity(), near);
 }
@@ -157,9 +155,9 @@ void find_on_bodies(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
       find_on_points(w, b, on_b.first_surface, on_b.end_surface, a, on_a.first_surface, on_a.end_surface,
                      pair | of_second, false, are_deep ? &b_leaves : nullptr, near);
   }
-  if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, near)) return;
-  // a soft law explains this depth: its springs store the work, so these contacts are kept
-  if (were_deep.pressed && were_deep.axis == SinkingAxis::none) return;
+  // a soft law explains the depth of others: its springs store the work, so their contacts are kept
+  const bool may_be_sunk = !were_deep.pressed || were_deep.axis != SinkingAxis::none;
+  if (!find_on_edges(w, a, b, pair, on_b.first_surface, on_b.end_surface, may_be_sunk, near)) return;
   near.forget_from(before);
   find_sunk(w, a, b, pair, were_deep.axis, near);
 }
@@ -230,7 +228,7 @@ void find_contacts(const typename Contacts::Params& par, const typename Contacts
     if (w.world_has_points) {
       find_on_points(w, std::uint32_t{N}, 0, num_fixed, a, on_a.first_surface, on_a.end_surface,
                      pair | of_second, false, nullptr, near);
-      find_on_edges(w, a, std::uint32_t{N}, pair, 0, num_fixed, near);
+      find_on_edges(w, a, std::uint32_t{N}, pair, 0, num_fixed, true, near);
     }
   }
   near.put_in_order();

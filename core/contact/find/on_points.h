@@ -32,12 +32,6 @@ bool is_finder(const ContactFinder<Contacts, N>& w, std::uint32_t s, std::uint32
   return (w.rounded[o] >> other & 1) == 0 && is_first && point_towards(of, other_W) == j;
 }
 
-/// Returns half the distances of the points of a shape along its axes, m.
-inline Vec3 points_apart(const PlacedShape& shape) noexcept {
-  if (shape.kind() == ShapeKind::box) return shape.half_extents();
-  return Vec3(0, 0, shape.kind() == ShapeKind::capsule ? shape.half_length() : 0);
-}
-
 /// Finds the contacts of the points of surfaces [s, s_end) of body a with surfaces [o, o_end) of body b. One
 /// of both may be the world, N. key: of the pair of bodies, and of the side of a. is_first: true if a is the
 /// first body of the pair.
@@ -52,7 +46,7 @@ void find_on_points(const ContactFinder<Contacts, N>& w, std::uint32_t a, std::u
     const PlacedShape& of = w.placed[s];
     const std::uint32_t num = num_points(of.kind());
     if (!has_points(of.kind(), w.rounded[s])) continue;
-    const Vec3 half_S = points_apart(of);
+    const Vec3 half_S = points_apart(of.in_world());
     // a corner whose ball is near is within two diameters of the ball
     const Real reach = travel + (of.kind() == ShapeKind::box ? 4 * corner_ball * half_thickness(of.in_world())
                                                              : (1 + contact_reach) * of.radius());

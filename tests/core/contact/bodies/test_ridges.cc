@@ -216,28 +216,26 @@ TEST(TouchingRidges, ThrownBricksGainNoEnergy) {
 }
 
 /// As deep as the spring of one contact stops them and the spheres round their corners off, plus their motion
-/// in half a step. At glancing sides bricks cut each other deeper in one of 3700 throws.
+/// in half a step.
 TEST(TouchingRidges, ThrownBricksStayOutOfEachOther) {
   constexpr unsigned seeds = 10;
-  int num_deep = 0, num_throws = 0;
+  Real deepest = 0;
+  int num_throws = 0;
   for (unsigned seed = 2; seed < 2 + seeds; ++seed) {
     Random random(seed);
     for (const ThrowCase& c : throw_cases()) {
       SCOPED_TRACE(::testing::Message() << c);
-      Real last = 0;  // speed of the last throw that went deeper
       const int touched = each_step(c, random, [&](const Bars& pile, Real, Real speed) {
         const Real spring = speed * std::sqrt(brick_mass / 2 / c.k),
                    rounding = (std::sqrt(Real(3)) - 1) * c.radius;
-        if (overlap(pile.box(0), pile.box(1)) - spring - rounding < 1e-3 || speed == last) return;
-        last = speed;
-        ++num_deep;
+        deepest = std::max(deepest, overlap(pile.box(0), pile.box(1)) - spring - rounding);
       });
       EXPECT_GE(touched, throws / 2);
       num_throws += throws;
     }
   }
-  std::printf("%d of %d throws deeper by 1 mm than springs and rounding\n", num_deep, num_throws);
-  EXPECT_LE(num_deep, num_throws / 2000);
+  std::printf("%d throws, %.2f mm deeper than springs and rounding at most\n", num_throws, 1e3 * deepest);
+  EXPECT_LT(deepest, 1e-3);
 }
 
 }  // namespace
