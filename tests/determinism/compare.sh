@@ -2,7 +2,7 @@
 # Builds state_hash_probe.cc with every compiler at hand, without optimisation and with all of it, with the flags of the
 # `deterministic` preset: for x86-64-v1, for wider vectors, for x86-64-v3, and for aarch64, which runs in qemu-user. Demands that
 # all print the same; otherwise names the first quantity that differs. With one compiler only: exit 77, not compared.
-# Every compiler at every level where GODOBJECT_EVERY_LEVEL is set (./dev nightly); else two builds, with different compilers,
+# Every compiler at every level where GODOBJECT_NIGHTLY is set (./dev nightly); else two builds, with different compilers,
 # levels and widths, and those of the other processors.
 #   compare.sh SOURCE_DIR EIGEN_INCLUDE_DIR WORK_DIR
 set -eu
@@ -10,7 +10,7 @@ source_dir=$1 eigen=$2 work=$3
 flags="-std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -fno-math-errno -ffp-contract=off
   -fno-tree-vectorize -fno-tree-slp-vectorize"
 # Forced inlining takes most of the time of a build, and is in the nightly ones.
-[ -n "${GODOBJECT_EVERY_LEVEL:-}" ] || flags="$flags -DGODOBJECT_NO_FLATTEN"
+[ -n "${GODOBJECT_NIGHTLY:-}" ] || flags="$flags -DGODOBJECT_NO_FLATTEN"
 launcher=$(command -v ccache || true)
 rm -rf "$work"
 mkdir -p "$work"
@@ -23,7 +23,7 @@ if grep -qw avx2 /proc/cpuinfo 2> /dev/null && grep -qw fma /proc/cpuinfo; then 
 emulated=aarch64-linux-gnu-g++ emulated_steps=1000 # emulation is slow
 
 levels_of() {
-  if [ -n "${GODOBJECT_EVERY_LEVEL:-}" ]; then
+  if [ -n "${GODOBJECT_NIGHTLY:-}" ]; then
     echo -O0 -O3 ${wide:+-O3$wide} ${v3:+-O3$v3}
   elif [ "$1" = g++ ]; then
     echo -O3 ${v3:+-O2$v3}

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/share.h"
+#include "tests/support/shrunk.h"
 #include "tests/support/supervised_rig.h"
 
 namespace godobject::test_explored {
@@ -21,6 +22,7 @@ using cia402::DriveState;
 using test::input_id;
 using test::num_rig_trials;
 using test::RigTrial;
+using test::shrunk;
 using test::SupervisedRig;
 using testing::HasSubstr;
 
@@ -58,22 +60,6 @@ TEST(Explored, EveryStateOfRigDriveAndLinkKeepsThePromises) {
   text << file.rdbuf();
   EXPECT_THAT(text.str(), HasSubstr(std::to_string(seen.size()) + " states with " +
                                     std::to_string(num_rig_trials) + " events"));
-}
-
-/// Returns the shortest path found by leaving out events, one at a time, that still breaks a promise.
-template <class Breaks>
-Path shrunk(Path path, Breaks&& breaks) {
-  for (std::size_t i = 0; i < path.size();) {
-    Path shorter;
-    for (std::size_t k = 0; k < path.size(); ++k)
-      if (k != i) shorter.push_back(path[k]);
-    if (!breaks(shorter)) ++i;
-    else {
-      path = shorter;
-      i = 0;
-    }
-  }
-  return path;
 }
 
 std::string broken_by(const Path& path) {
