@@ -25,18 +25,13 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/faulty_rig.h"
 #include "tests/support/run_over_ptys.h"
+#include "tests/support/sealed_run.h"
 
 namespace godobject::test::test_sealed_loop {
 namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
-
-/// Returns why this build or kernel cannot be tested; empty if it can.
-std::string why_not() {
-  if (!AllocationGuard::works()) return "a sanitizer's run-time library makes calls of its own";
-  return Seal::why_not();
-}
 
 Session::Made session_of(const char* file, BusChoice bus) {
   const LoadResult loaded = load_scene(std::string(GODOBJECT_SOURCE_DIR "/sim/scenes/") + file);
@@ -67,7 +62,7 @@ struct SealedRun {
 class SealedCycles : public testing::TestWithParam<SealedRun> {};
 
 TEST_P(SealedCycles, CallNothingAndFaultNoPage) {
-  if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
   const RtProcess process;
   const bool is_locked = process.steps()[1].result == RtResult::ok;
   Session::Made made = session_of(GetParam().scene, GetParam().bus);
@@ -139,7 +134,7 @@ struct Plant {
 class SealedRunWith : public testing::TestWithParam<Plant> {};
 
 TEST_P(SealedRunWith, AForbiddenCallIsNamedAndStopsTheMotors) {
-  if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
   Session::Made made = session_of("grasper.toml", BusChoice::sim);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   Planted planted(GetParam().call);
@@ -170,33 +165,20 @@ INSTANTIATE_TEST_SUITE_P(
 
 // ---- real time -------------------------------------------------------------------------------------
 
-void expect_sealed(const std::string& report_path, const std::string& output) {
-  const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
-  ASSERT_TRUE(report.contains("seal")) << output;
-  EXPECT_TRUE(report["seal"]["broken_by"].is_null()) << report["seal"];
-  EXPECT_EQ(report["seal"]["refused_calls"], 0);
-  EXPECT_GT(report["cycles"], 100);  // a sixth of those of an idle machine, and enough for the next lines
-  ASSERT_TRUE(report.contains("page_faults")) << output;
-  for (const auto& step : report["machine"]["rt_setup"])
-    if (step["step"] == "lock memory" && step["result"] == "ok") {
-      EXPECT_EQ(report["page_faults"]["minor"], 0);
-      EXPECT_EQ(report["page_faults"]["major"], 0);
-    }
-}
-
 class SealedProgram : public ProgramTest {
  protected:
   void SetUp() override {
-    if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+    if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
   }
   std::string outputs() const {
-    return " --seal --trace " + path("trace.csv") + " --report " + path("report.json");
+    return " --seal --duration " + std::to_string(sealed_seconds(3)) + " --trace " + path("trace.csv") +
+           " --report " + path("report.json");
   }
 };
 
 TEST_F(SealedProgram, OnASimulatedDeviceWithEveryOutput) {
   const ProgramResult result =
-      run_program("run sim/scenes/grasper.toml --duration 3 --view --record " + path("bus.log") + outputs());
+      run_program("run sim/scenes/grasper.toml --view --record " + path("bus.log") + outputs());
   expect_sealed(path("report.json"), result.output);
 }
 
@@ -204,9 +186,8 @@ TEST_F(SealedProgram, OnATrackerOfAPseudoTerminal) {
   BackgroundProgram far({"simulate", "sim/scenes/tracked.toml", "--control", "-"});
   const std::string first = far.line();
   ASSERT_EQ(far.line(), "ready");
-  const ProgramResult result =
-      run_program("run sim/scenes/tracked.toml --tracker polaris=" + first.substr(first.find('/')) +
-                  " --duration 3" + outputs());
+  const ProgramResult result = run_program(
+      "run sim/scenes/tracked.toml --tracker polaris=" + first.substr(first.find('/')) + outputs());
   expect_sealed(path("report.json"), result.output);
 }
 
@@ -246,11 +227,13 @@ class SealedOnSlcan : public RunOverPtys {
 };
 
 TEST_F(SealedOnSlcan, WithTraceRecordAndView) {
-  if (const std::string reason = why_not(); !reason.empty()) GTEST_SKIP() << reason;
+  if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
+  const int seconds = sealed_seconds(3, 5e-3);
   ASSERT_TRUE(start(write("scene.toml", patient_toml()),
                     {"--seal", "--view", "--trace", path("trace.csv"), "--record", path("bus.log"),
-                     "--report", path("report.json")}));
-  listen(3s);
+                     "--report", path("report.json")},
+                    2 * seconds + 60));
+  listen(std::chrono::seconds(seconds));
   kill(host_->pid(), SIGINT);
   static_cast<void>(host_->wait_status());
   expect_sealed(path("report.json"), "");

@@ -20,13 +20,13 @@ namespace godobject::test {
 
 class RunOverPtys : public ProgramTest {
  protected:
-  /// Starts both programs, up to torque on all motors. options: further ones of `run`. Returns false if the
-  /// machine stalled and the host gave up.
-  bool start(const std::string& scene, const std::vector<std::string>& options = {}) {
+  /// Starts both programs, up to torque on all motors. options: further ones of `run`. limit_s: end of the
+  /// run, s. Returns false if the machine stalled and the host gave up.
+  bool start(const std::string& scene, const std::vector<std::string>& options = {}, int limit_s = 60) {
     host_.reset();
     far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
                                           "can0=pty", "--bus", "can1=pty", "--tap", "can1=pty"});
-    std::vector<std::string> arguments{"run", scene, "--duration", "60"};
+    std::vector<std::string> arguments{"run", scene, "--duration", std::to_string(limit_s)};
     arguments.insert(arguments.end(), options.begin(), options.end());
     std::string tap;
     for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line()) {

@@ -1,0 +1,34 @@
+// A sealed run of the program on interfaces of the kernel, with its files, on a rig that another program
+// simulates.
+#include "tests/socketcan/can_test.h"
+#include "tests/support/background_program.h"
+#include "tests/support/faulty_rig.h"
+#include "tests/support/sealed_run.h"
+
+namespace godobject::test::test_sealed_run {
+namespace {
+
+class SealedOnSocketCan : public ProgramTest {
+ protected:
+  void SetUp() override {
+    if (const std::string reason = why_no_interfaces(); !reason.empty()) GTEST_SKIP() << reason;
+    if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
+  }
+};
+
+TEST_F(SealedOnSocketCan, WithTraceAndRecord) {
+  const std::string scene = write("scene.toml", two_joints_toml);
+  BackgroundProgram far({"simulate", scene, "--control", "-", "--bus", "can0=socketcan:vcan0", "--bus",
+                         "can1=socketcan:vcan1"});
+  for (std::string line = far.line(); line != "ready"; line = far.line()) ASSERT_NE(line, "");
+  const ProgramResult result = run_program(
+      "run " + scene + " --bus can0=socketcan:vcan0 --bus can1=socketcan:vcan1 --seal --duration " +
+      std::to_string(sealed_seconds(6)) + " --trace " + path("trace.csv") + " --record " + path("bus.log") +
+      " --report " + path("report.json"));
+  expect_sealed(path("report.json"), result.output);
+  const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
+  EXPECT_GT(report["answers"]["frames"], report["cycles"]);
+}
+
+}  // namespace
+}  // namespace godobject::test::test_sealed_run
