@@ -97,14 +97,11 @@ struct SinkingAxis {
 struct Farthest {
   Real reach = -std::numeric_limits<Real>::infinity();  // coordinate along the direction, m
   Vec3 p_W = Vec3::Zero();                              // m
-
-  void include(Real one, const Vec3& at_W) noexcept {
-    if (one > reach) *this = {.reach = one, .p_W = at_W};
-  }
+  Real flat = 0;  // 1 for a face of a box across the direction, 0 for an edge or corner
 };
 
-/// Returns the part of a body, with its spheres and shapes, that is farthest in a direction. From an edge or
-/// face that lies flat to the direction the point is in its middle.
+/// Returns the part of a body, with its spheres and shapes, that is farthest in a direction. Its point is in
+/// the middle of an edge or face across the direction.
 template <class Contacts, std::size_t N>
 Farthest farthest_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
   const auto& owned = w.owned[body];
@@ -112,13 +109,17 @@ Farthest farthest_along(const ContactFinder<Contacts, N>& w, std::uint32_t body,
   Farthest farthest;
   for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
     const PlacedShape& shape = w.placed[o];
+    const Real reach = reach_along(n_W, shape);
+    if (reach <= farthest.reach) continue;
     const Vec3 side = (shape.R_WS().transpose() * n_W / flat).cwiseMin(1).cwiseMax(-1);
-    farthest.include(reach_along(n_W, shape),
-                     shape.p_W() + shape.R_WS() * points_apart(shape.in_world()).cwiseProduct(side));
+    farthest = {.reach = reach,
+                .p_W = shape.p_W() + shape.R_WS() * points_apart(shape.in_world()).cwiseProduct(side),
+                .flat = shape.kind() == ShapeKind::box ? std::max(2 - side.lpNorm<1>(), Real(0)) : 0};
   }
   for (std::uint32_t s = 0; s < owned.end_sphere - owned.first_sphere; ++s) {
     const Sphere one = sphere(&w.packs[owned.first_pack], s);
-    farthest.include(n_W.dot(one.p_W) + one.r, one.p_W);
+    const Real reach = n_W.dot(one.p_W) + one.r;
+    if (reach > farthest.reach + rounding_tolerance * one.r) farthest = {.reach = reach, .p_W = one.p_W};
   }
   return farthest;
 }
@@ -137,8 +138,11 @@ SinkingAxis sinking_axis(const ContactFinder<Contacts, N>& w, std::uint32_t a, s
         const Vec3 n_W = face_normal(w.placed[o], of_a ? face ^ 1 : face);
         const Farthest of_b = farthest_along(w, b, n_W), on_a = farthest_along(w, a, -n_W);
         const Real depth = of_b.reach + on_a.reach;
-        if (depth < least.depth)
-          least = {.number = one, .n_W = n_W, .depth = depth, .p_W = of_a ? of_b.p_W : on_a.p_W};
+        if (depth >= least.depth) continue;
+        const Farthest &behind = of_a ? of_b : on_a, &front = of_a ? on_a : of_b;
+        // midway between two faces, so that the order of the bodies does not matter
+        const Vec3 p_W = behind.p_W + behind.flat / 2 * (front.p_W - behind.p_W);
+        least = {.number = one, .n_W = n_W, .depth = depth, .p_W = p_W};
       }
     }
   }
