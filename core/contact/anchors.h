@@ -4,13 +4,15 @@
 // of the sticking spring (23). At any other poses the stored values are seen as c_a, c_b, a, b, xi_a, xi_b.
 // With the normal n there the stretch is
 //
-//   (51)  xi = |xi| u / |u| + P (c_a - c_b) + rho (arc(a, n) - arc(b, n)),
-//         u = Q(a, n) xi_a + Q(b, n) xi_b
+//   (51)  xi = |xi| u / |u| + P (c_a - c_b) + rho (arc(a, n) - arc(b, n)) - (u_b x u_a) x w / (2 |xi|^2),
+//         u = u_a + u_b,  u_a = Q(a, n) xi_a,  u_b = Q(b, n) xi_b
 //
 // P projects into the tangent plane, and Q(a, n) turns a into n the shortest way. So xi turns about the
 // normal with the mean of both bodies. arc(a, n) is the arc on the unit sphere minus its chord in the tangent
-// plane, and rho the radius that rolls. Bodies that move as one, and spheres that roll on a plane, have no
-// change of xi at any size of the motion.
+// plane, and rho the radius that rolls. w is the chord on the round body, times rho. A sphere that also
+// pivots, as in a valley, rolls along a curve: the last term turns w back by half the pivot, from u_b to u_a.
+// Bodies that move as one, and spheres that roll on a plane, have no change of xi at any size of the motion.
+// Spheres that roll and pivot by an angle of order h have a change of order h^3.
 #pragma once
 
 #include <cmath>
@@ -78,10 +80,14 @@ StretchOf<T> stretch(const AnchorsOf<T>& of, const ContactPlacesOf<T>& at, const
   using std::sqrt;
   const Vector3<T> a = at.R_a * of.n_a, b = at.R_b * of.n_b;
   const T a_n = a.dot(n_W), b_n = b.dot(n_W);
-  const Vector3<T> u = turned<T>(at.R_a * of.xi_a, a, n_W, a_n) + turned<T>(at.R_b * of.xi_b, b, n_W, b_n);
+  const Vector3<T> u_a = turned<T>(at.R_a * of.xi_a, a, n_W, a_n),
+                   u_b = turned<T>(at.R_b * of.xi_b, b, n_W, b_n), u = u_a + u_b;
   const T u_sq = max(u.squaredNorm(), T(std::numeric_limits<Real>::min()));
   const Vector3<T> apart = (at.p_a - at.p_b) + (at.R_a * of.c_a - at.R_b * of.c_b);
-  const Vector3<T> rolled = (arc_beyond_chord<T>(a, n_W, a_n) - arc_beyond_chord<T>(b, n_W, b_n)) * rho;
+  const Vector3<T> way = (n_W * a_n - a) * max(rho, T(0)) + (n_W * b_n - b) * min(rho, T(0));
+  const T xi_sq = max(T(of.xi_a.squaredNorm()), T(std::numeric_limits<Real>::min()));
+  const Vector3<T> rolled = (arc_beyond_chord<T>(a, n_W, a_n) - arc_beyond_chord<T>(b, n_W, b_n)) * rho -
+                            u_b.cross(u_a).cross(way) * (T(0.5) / xi_sq);
   const T known = select(T(same_contact) <= min(a_n, b_n), T(1), T(0));
   return {.before_W = u * (known * sqrt(of.xi_a.squaredNorm() / u_sq)),
           .change_W = (apart - n_W * n_W.dot(apart) + rolled) * known};
