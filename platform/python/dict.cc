@@ -167,7 +167,88 @@ class Writer {
   bool with_keys_;
 };
 
+/// Builds the tables that the text of a scene has. Its functions return false for a value that needs it.
+class Builder {
+ public:
+  explicit Builder(const py::function& plain) : plain_(plain) {}
+
+  bool table(py::handle dict, toml::table& to) {
+    PyObject *key = nullptr, *value = nullptr;
+    const Level level(depth_);
+    for (Py_ssize_t at = 0; level.is_usual() && PyDict_Next(dict.ptr(), &at, &key, &value);) {
+      if (!PyUnicode_Check(key)) return false;
+      const auto put = [&, name = utf8(key)](auto&& node) {
+        to.insert(name, std::forward<decltype(node)>(node));
+        return true;
+      };
+      if (!add(value, put)) return false;
+    }
+    return level.is_usual();
+  }
+
+ private:
+  static constexpr int max_depth = 8;  // of the tables and lists of usual scenes
+  class Level {
+   public:
+    explicit Level(int& depth) : depth_(++depth) {}
+    ~Level() { --depth_; }
+    Level(const Level&) = delete;
+    Level& operator=(const Level&) = delete;
+    bool is_usual() const { return depth_ <= max_depth; }
+
+   private:
+    int& depth_;
+  };
+
+  bool list(py::handle sequence, toml::array& to) {
+    const Level level(depth_);
+    const Py_ssize_t size = PySequence_Fast_GET_SIZE(sequence.ptr());
+    std::size_t num_tables = 0;
+    const auto put = [&](auto&& node) {
+      to.push_back(std::forward<decltype(node)>(node));
+      return true;
+    };
+    for (Py_ssize_t i = 0; i < size; ++i) {
+      if (!level.is_usual() || !add(PySequence_Fast_GET_ITEM(sequence.ptr(), i), put)) return false;
+      if (to.back().is_table()) ++num_tables;
+    }
+    return num_tables == 0 || num_tables == to.size();
+  }
+
+  /// Passes the value to `put`, as a node. Other types of Python are converted.
+  template <class Put>
+  bool add(py::handle value, Put put) {
+    PyObject* const p = value.ptr();
+    if (PyFloat_Check(p)) return put(PyFloat_AS_DOUBLE(p));
+    if (PyBool_Check(p)) return put(p == Py_True);
+    if (PyLong_Check(p)) {
+      int overflows = 0;
+      const long long n = PyLong_AsLongLongAndOverflow(p, &overflows);
+      return overflows == 0 && put(static_cast<std::int64_t>(n));
+    }
+    if (PyUnicode_Check(p)) return put(std::string(utf8(value)));
+    if (PyDict_Check(p)) {
+      toml::table inner;
+      return table(value, inner) && put(std::move(inner));
+    }
+    if (PyList_Check(p) || PyTuple_Check(p)) {
+      toml::array inner;
+      return list(value, inner) && put(std::move(inner));
+    }
+    const py::object converted = plain_(value);
+    return converted.ptr() != p && Level(depth_).is_usual() && add(converted, put);
+  }
+
+  const py::function& plain_;
+  int depth_ = 0;
+};
+
 }  // namespace
+
+std::optional<toml::table> table_of_dict(const py::dict& scene, const py::function& plain) {
+  toml::table table;
+  return Builder(plain).table(scene, table) ? std::optional(std::move(table)) : std::nullopt;
+}
 
 std::string toml_of_dict(const py::dict& scene, const std::string& file, const py::function& plain) {
   Writer writer(file, plain, false);

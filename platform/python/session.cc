@@ -22,6 +22,7 @@
 #include "platform/cli/fault_texts.h"
 #include "platform/python/dict.h"
 #include "platform/rig/buses.h"
+#include "platform/scene/table.h"
 #include "platform/session/record.h"
 #include "platform/simulated/session.h"
 
@@ -163,13 +164,12 @@ struct Rows {
 
 class PySession {
  public:
-  /// path: of the scene file, or name of the text in errors. text: content; none: that of the file.
-  /// bus: "sim", "direct", or empty for that of `godobject run`.
-  PySession(const std::string& path, const std::optional<std::string>& text, const std::string& bus,
-            bool raises_faults)
+  /// path: of the scene file, or name of the parts in errors. parts: the scene as a dict; none: that of the
+  /// file. plain: as in toml_of_dict(). bus: "sim", "direct", or empty for that of `godobject run`.
+  PySession(const std::string& path, const std::optional<py::dict>& parts, const py::function& plain,
+            const std::string& bus, bool raises_faults)
       : raises_faults_(raises_faults) {
-    const FaultChecks checks = simulated_faults();
-    LoadResult loaded = text ? parse_scene(*text, path, checks) : load_scene(path, checks);
+    LoadResult loaded = parts ? of_parts(*parts, path, plain) : load_scene(path, simulated_faults());
     refuse("SceneError", path, loaded.errors, std::move(loaded.placed_errors));
     warnings_ = std::move(loaded.placed_warnings);
     scene_ = *std::move(loaded.scene);
@@ -277,6 +277,16 @@ class PySession {
   py::list warnings() const { return problems(warnings_); }
 
  private:
+  /// Reads the scene from its tables. Errors and warnings need the lines of its text.
+  static LoadResult of_parts(const py::dict& parts, const std::string& path, const py::function& plain) {
+    const FaultChecks checks = simulated_faults();
+    if (const std::optional<toml::table> table = table_of_dict(parts, plain)) {
+      LoadResult loaded = read_scene(*table, path, checks);
+      if (loaded.scene && loaded.warnings.empty()) return loaded;
+    }
+    return parse_scene(toml_of_dict(parts, path, plain), path, checks);
+  }
+
   void require_idle() const {
     if (stepping_) throw std::runtime_error("the scene is stepping in another thread: wait for it");
     if (!session_) throw std::runtime_error("the scene could not be started again: make another one");
@@ -465,11 +475,11 @@ PYBIND11_MODULE(_core, module) {
       raise(refused);
     }
   });
-  module.def("toml_of_dict", &toml_of_dict, py::arg("scene"), py::arg("file"), py::arg("plain"));
   module.def("keys_of_dict", &keys_of_dict, py::arg("scene"), py::arg("file"), py::arg("plain"));
   py::class_<PySession> type(module, "Session");
-  type.def(py::init<const std::string&, const std::optional<std::string>&, const std::string&, bool>(),
-           py::arg("path"), py::arg("text"), py::arg("bus"), py::arg("raises_faults"))
+  type.def(py::init<const std::string&, const std::optional<py::dict>&, const py::function&,
+                    const std::string&, bool>(),
+           py::arg("path"), py::arg("parts"), py::arg("plain"), py::arg("bus"), py::arg("raises_faults"))
       .def("_reset", &PySession::reset, py::arg("motion"), py::arg("file"))
       .def("_step", &PySession::step, py::arg("n"), py::arg("every"))
       .def("_num_steps", &PySession::num_steps, py::arg("duration"))

@@ -8,6 +8,7 @@
 #include "platform/scene/contact/params.h"
 #include "platform/scene/keys/profile.h"
 #include "platform/scene/keys/scene.h"
+#include "platform/scene/table.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/text/key_writers.h"
 #include "platform/scene/text/toml_reader.h"
@@ -56,18 +57,31 @@ std::string not_found(const std::string& name, const std::string& scene_folder) 
 
 // ---- scenes ---------------------------------------------------------------------------------------
 
-LoadResult parse_scene(std::string_view toml, const std::string& file, const FaultChecks& checks) {
-  Diagnostics log(file);
-  const std::optional<toml::table> parsed = parse_toml(toml, log);
-  if (!parsed) return {std::nullopt, log.errors(), {}, log.placed_errors()};
+namespace {
+
+LoadResult read(const toml::table& table, Diagnostics& log, const FaultChecks& checks) {
   SceneConfig scene;
   scene.integrator.clear();  // set once the scene's contacts are known
-  TomlReader reader(*parsed, "", "the file", log);
+  TomlReader reader(table, "", "the file", log);
   visit_scene(reader, scene, checks);
   reader.finish();
   if (!log.ok()) return {std::nullopt, log.errors(), log.warnings(), log.placed_errors()};
   if (scene.integrator.empty()) scene.integrator = default_integrator(scene);
   return {std::move(scene), {}, log.warnings(), {}, log.placed_warnings()};
+}
+
+}  // namespace
+
+LoadResult read_scene(const toml::table& table, const std::string& file, const FaultChecks& checks) {
+  Diagnostics log(file);
+  return read(table, log, checks);
+}
+
+LoadResult parse_scene(std::string_view toml, const std::string& file, const FaultChecks& checks) {
+  Diagnostics log(file);
+  const std::optional<toml::table> parsed = parse_toml(toml, log);
+  if (!parsed) return {std::nullopt, log.errors(), {}, log.placed_errors()};
+  return read(*parsed, log, checks);
 }
 
 LoadResult load_scene(const std::string& path, const FaultChecks& checks) {

@@ -1,10 +1,14 @@
-// Sweep of bench_sweep.py in C++: short runs of a scene, each with another mass of its first body. Prints the
-// seconds of processor time of the sweep of a parsed scene, and of one that is parsed for each run.
-// usage: godobject_sweep SCENE RUNS STEPS
+// Sweeps of bench_sweep.py in C++: short runs of a scene, a part of a sweep for each line of input.
+// usage: godobject_sweep SCENE STEPS
+// Input: "KIND FIRST RUNS". KIND: "parsed", one scene for all runs; "parsed_each", a scene that is parsed for
+// each run, with another mass of its first body. FIRST: number of the part's first run. Output: processor
+// time, s, and hash of the last state.
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <string>
+#include <string_view>
 
 #include "platform/rig/buses.h"
 #include "platform/scene/text/diagnostics.h"
@@ -37,25 +41,32 @@ std::string with_mass(const std::string& text, const std::string& key, double ma
 }
 
 template <class F>
-void time(const char* name, int runs, F f) {
+void time(int first, int runs, F f) {
   std::uint64_t hash = 0;
   const std::clock_t start = std::clock();
-  for (int i = 0; i < runs; ++i) hash = f(i);
+  for (int i = first; i < first + runs; ++i) hash = f(i);
   const double took = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  std::printf("%s %.6f %016llx\n", name, took, static_cast<unsigned long long>(hash));
+  std::printf("%.6f %016llx\n", took, static_cast<unsigned long long>(hash));
+  std::fflush(stdout);
 }
 
-int sweep(const std::string& path, int runs, int steps) {
+int sweep(const std::string& path, int steps) {
   const std::optional<std::string> text = read_text(path);
   const LoadResult loaded = load_scene(path, simulated_faults());
   if (!text || !loaded.scene) return 1;
   const double mass = loaded.scene->bodies.front().mass;
-  time("parsed", runs, [&](int) { return run(*loaded.scene, path, steps); });
-  time("parsed_each", runs, [&](int i) {
-    return run(
-        *parse_scene(with_mass(*text, "\nmass = ", mass_of_run(mass, i)), path, simulated_faults()).scene,
-        path, steps);
-  });
+  std::array<char, 16> kind{};
+  int first = 0, runs = 0;
+  while (std::scanf("%15s %d %d", kind.data(), &first, &runs) == 3) {
+    if (kind.data() == std::string_view("parsed")) {
+      time(first, runs, [&](int) { return run(*loaded.scene, path, steps); });
+      continue;
+    }
+    time(first, runs, [&](int i) {
+      const std::string with = with_mass(*text, "\nmass = ", mass_of_run(mass, i));
+      return run(*parse_scene(with, path, simulated_faults()).scene, path, steps);
+    });
+  }
   return 0;
 }
 
@@ -63,6 +74,6 @@ int sweep(const std::string& path, int runs, int steps) {
 }  // namespace godobject
 
 int main(int argc, char** argv) {
-  if (argc != 4) return 2;
-  return godobject::sweep(argv[1], std::atoi(argv[2]), std::atoi(argv[3]));
+  if (argc != 3) return 2;
+  return godobject::sweep(argv[1], std::atoi(argv[2]));
 }

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import MotionError, Problem, SceneError, SceneWarning
 
 try:
-    from ._core import Session, keys_of_dict, toml_of_dict
+    from ._core import Session, keys_of_dict
 except ImportError as error:
     raise ImportError("godobject has no compiled module: install pybind11-dev, python3-dev and python3-numpy, build "
                       "(./dev build release), and run the Python that it was built for; put the build directory's "
@@ -88,13 +88,13 @@ class Scene(Session):
     """
 
     def __init__(self, path: str | os.PathLike[str], *, bus: str | None = None, on_fault: str = "raise",
-                 _text: str | None = None):
+                 _parts: dict[str, Any] | None = None):
         if bus not in (None, "sim", "direct"):
             raise ValueError(f"bus must be 'sim', 'direct' or None, not {bus!r}")
         if on_fault not in ("raise", "report"):
             raise ValueError(f"on_fault must be 'raise' or 'report', not {on_fault!r}")
-        super().__init__(os.fspath(path), _text, bus or "", on_fault == "raise")
-        if _text is None:
+        super().__init__(os.fspath(path), _parts, _plain, bus or "", on_fault == "raise")
+        if _parts is None:
             _warn(Problem(*warning) for warning in self._warnings)
 
     @classmethod
@@ -115,7 +115,7 @@ class Scene(Session):
         name = os.path.join(os.fspath(folder), "<dict>")
         parts = dict(scene)
         try:
-            made = cls(name, bus=bus, on_fault=on_fault, _text=toml_of_dict(parts, name, _plain))
+            made = cls(name, bus=bus, on_fault=on_fault, _parts=parts)
         except SceneError as error:
             if error.key is not None:
                 raise
