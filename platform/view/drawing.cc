@@ -289,6 +289,7 @@ std::string scene_json(const SceneConfig& scene, const ViewAbout& about) {
             {"live", about.live},
             {"takes_pointer", about.takes_pointer},
             {"takes_pace", about.takes_pace},
+            {"no_reset", about.no_reset},
             {"fast", about.fast},
             {"warning", about.warning},
             {"step", scene.step},

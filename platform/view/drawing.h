@@ -74,9 +74,10 @@ struct ViewAbout {
   std::string title;  // "run sim/scenes/lego.toml", or the file of a recording
   bool live = true;
   bool takes_pointer = false;
-  bool takes_pace = false;  // true if pages may pause the run
-  bool fast = false;        // true if the run is not in wall time
-  std::string warning{};    // displayed on the page; empty: none
+  bool takes_pace = false;                                             // true if pages may pause the run
+  bool fast = false;                                                   // true if the run is not in wall time
+  std::string no_reset = "this program does not start its run again";  // empty: pages may reset the run
+  std::string warning{};                                               // displayed on the page; empty: none
   std::vector<BitText> faults{}, rig_faults{}, limits{};
   std::vector<BusLoadText> buses{};
 };

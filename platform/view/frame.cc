@@ -186,6 +186,16 @@ ParseResult decode(std::span<const std::uint8_t> bytes, PaceMessage& out) noexce
   return ParseResult::ok;
 }
 
+ParseResult decode(std::span<const std::uint8_t> bytes, ResetMessage& /*out*/) noexcept {
+  if (const ParseResult size = check_size(bytes.size(), reset_bytes); size != ParseResult::ok) return size;
+  ByteReader from(bytes);
+  std::uint32_t magic = 0;
+  std::uint16_t version = 0, reserved = 0;
+  from.get(magic).get(version).get(reserved);
+  if (magic != reset_magic) return ParseResult::other_message;
+  return version == view_version && reserved == 0 ? ParseResult::ok : ParseResult::bad_value;
+}
+
 ParseResult decode(std::span<const std::uint8_t> bytes, JointsMessage& out) noexcept {
   if (const ParseResult size = check_size(bytes.size(), joints_bytes); size != ParseResult::ok) return size;
   ByteReader from(bytes);

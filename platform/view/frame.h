@@ -133,8 +133,19 @@ class ViewTap {
     return !paced_ || !pace_.is_limited() || pace_.may_run(clock.now(), step);
   }
 
+  /// For the loop: true if a page has reset the run, until restart().
+  bool is_reset() const noexcept { return reset_.load(std::memory_order_relaxed); }
+
+  /// Prepares the tap for another run of the same scene. Not while a loop runs.
+  void restart() noexcept {
+    std::ranges::fill(cues_, ContactCue{});
+    reset_ = false;
+  }
+
   /// For the view's thread: null if pages may not pause the run.
   ViewPace* pace() noexcept { return paced_ ? &pace_ : nullptr; }
+  /// For the view's thread: ends the run, which is then started again. Only for runs without hardware.
+  void reset() noexcept { reset_.store(true, std::memory_order_relaxed); }
   void ask() noexcept { latest_.ask(); }
   const ViewSample* get() const noexcept { return latest_.get(); }
 
@@ -161,6 +172,7 @@ class ViewTap {
   std::uint32_t num_impacts_ = 0;
   ViewPace pace_;
   bool paced_;
+  std::atomic<bool> reset_{false};
   Nanoseconds wake_ns_ = 0;
 };
 
@@ -169,6 +181,7 @@ class ViewTap {
 inline constexpr std::uint32_t frame_magic = 0x46564F47;    // "GOVF"
 inline constexpr std::uint32_t pointer_magic = 0x50564F47;  // "GOVP"
 inline constexpr std::uint32_t pace_magic = 0x43564F47;     // "GOVC"
+inline constexpr std::uint32_t reset_magic = 0x52564F47;    // "GOVR"
 inline constexpr std::uint16_t view_version = 1;
 inline constexpr std::size_t frame_header_bytes = 132, frame_body_bytes = 28, frame_driven_bytes = 76,
                              frame_contact_bytes = 44, frame_vertex_bytes = 12, frame_value_bytes = 4,
@@ -254,6 +267,13 @@ inline constexpr std::uint16_t max_pace_steps = 1000;
 inline constexpr double max_pace_speed = 100;
 
 ParseResult decode(std::span<const std::uint8_t> bytes, PaceMessage& out) noexcept;
+
+inline constexpr std::size_t reset_bytes = 8;
+
+/// Start of a run again, by a page.
+struct ResetMessage {};
+
+ParseResult decode(std::span<const std::uint8_t> bytes, ResetMessage& out) noexcept;
 std::array<std::uint8_t, joints_bytes> encode(const JointsMessage& message) noexcept;
 
 }  // namespace godobject

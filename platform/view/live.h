@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -29,23 +30,38 @@ class LiveView final : public ViewSource {
   /// For the loop.
   ViewTap& tap() noexcept { return tap_; }
 
+  /// Continues with another session of the same scene and its devices. Not while a loop runs.
+  void restart(const Session& session, PointerDevice* pointer, JointPointer* joints);
+
   std::string scene() override { return scene_; }
   ViewBytes frame() override;
   bool point(std::uint64_t client, const PointerMessage& message) override;
   bool set_pace(std::uint64_t client, const PaceMessage& message) override;
   bool move_joints(std::uint64_t client, const JointsMessage& message) override {
+    const std::lock_guard lock(mutex_);
     return joints_ != nullptr && joints_->take(client, message);
   }
+  std::string reset() override {
+    if (no_reset_.empty()) tap_.reset();
+    return no_reset_;
+  }
   void leave(std::uint64_t client) override {
+    const std::lock_guard lock(mutex_);
     if (pointer_ != nullptr) pointer_->leave(client);
     if (joints_ != nullptr) joints_->leave(client);
     if (pacer_ == client) static_cast<void>(set_pace(client, {}));
   }
 
  private:
+  void place(const Session& session) {
+    places_.clear();
+    for (const std::size_t body : bodies_.driven) places_.push_back(session.scene().bodies[body].X_WB.p);
+  }
+
   ViewTap tap_;
-  std::string scene_;
+  std::string scene_, no_reset_;
   ViewBodies bodies_;
+  std::mutex mutex_;  // guards the three members below, between the view's thread and restart()
   PointerDevice* pointer_;
   JointPointer* joints_;
   std::vector<Vec3> places_;  // positions of the driven bodies in the last frame
@@ -59,10 +75,19 @@ inline LiveView::LiveView(const Session& session, const ViewAbout& about, Pointe
                           JointPointer* joints)
     : tap_(session, about.takes_pace),
       scene_(scene_json(session.scene(), about)),
+      no_reset_(about.no_reset),
       bodies_(session.scene()),
       pointer_(pointer),
       joints_(joints) {
-  for (const std::size_t body : bodies_.driven) places_.push_back(session.scene().bodies[body].X_WB.p);
+  place(session);
+}
+
+inline void LiveView::restart(const Session& session, PointerDevice* pointer, JointPointer* joints) {
+  const std::lock_guard lock(mutex_);
+  pointer_ = pointer;
+  joints_ = joints;
+  place(session);
+  tap_.restart();
 }
 
 inline ViewBytes LiveView::frame() {
@@ -77,6 +102,7 @@ inline ViewBytes LiveView::frame() {
   if (sample == nullptr) return nullptr;
   requested_ = false;
   shown_ = now;
+  const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < places_.size(); ++i)
     places_[i] = sample->record.bodies[bodies_.driven[i]].X_WB.p;
   auto bytes = std::make_shared<std::vector<std::uint8_t>>();
@@ -92,6 +118,7 @@ inline bool LiveView::set_pace(std::uint64_t client, const PaceMessage& message)
 }
 
 inline bool LiveView::point(std::uint64_t client, const PointerMessage& message) {
+  const std::lock_guard lock(mutex_);
   return pointer_ != nullptr && message.target < places_.size() &&
          pointer_->take(client, message, places_[message.target]);
 }
@@ -115,8 +142,7 @@ class OpenIgtLinkServer {
     double rate_hz = 60;
   };
 
-  /// Listens and starts the thread. Returns null with the reason and the remedy in why_not. The session must
-  /// outlive the server.
+  /// Listens and starts the thread. Returns null with the reason and the remedy in why_not.
   static std::unique_ptr<OpenIgtLinkServer> start(const Settings& settings, const Session& session,
                                                   std::string& why_not);
   ~OpenIgtLinkServer();
@@ -143,7 +169,7 @@ class OpenIgtLinkServer {
 
   int listener_;
   Nanoseconds period_;
-  const SceneConfig& scene_;
+  const SceneConfig scene_;
   std::vector<std::size_t> driven_;
   ViewTap tap_;
   std::vector<Client> clients_;

@@ -31,6 +31,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           again.num_joints != joints.num_joints || again.holds != joints.holds)
         std::abort();
     }
+    ResetMessage reset;
+    if (decode(std::span(data, size), reset) == ParseResult::ok && size != reset_bytes) std::abort();
     PaceMessage pace;
     if (decode(std::span(data, size), pace) == ParseResult::ok)
       if (pace.steps > max_pace_steps ||

@@ -205,6 +205,21 @@ TEST(PaceMessage, IsReadOrRefused) {
   EXPECT_EQ(read.speed, ViewPace::unlimited) << "unchanged";
 }
 
+TEST(ResetMessage, IsReadOrRefused) {
+  std::vector<std::uint8_t> bytes{'G', 'O', 'V', 'R', 1, 0, 0, 0};
+  ResetMessage read;
+  EXPECT_EQ(decode(bytes, read), ParseResult::ok);
+  for (const std::size_t i : {4U, 6U}) {
+    std::vector<std::uint8_t> other = bytes;
+    other[i] = 2;
+    EXPECT_EQ(decode(other, read), ParseResult::bad_value);
+  }
+  bytes[3] = 'P';
+  EXPECT_EQ(decode(bytes, read), ParseResult::other_message);
+  bytes.pop_back();
+  EXPECT_EQ(decode(bytes, read), ParseResult::too_short);
+}
+
 TEST(Pace, PausesStepsAndSlows) {
   constexpr Nanoseconds step = 1'000'000;
   ViewPace pace;

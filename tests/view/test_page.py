@@ -7,6 +7,7 @@ import base64
 import csv
 import math
 import struct
+import subprocess
 import tempfile
 import time
 
@@ -113,6 +114,55 @@ def test_a_run_without_hardware_pauses_steps_and_slows(browser, folder):
             assert not page.errors(), page.errors()
 
 
+def test_a_run_without_hardware_starts_again(browser, folder):
+    for way in (("--view-input",), ("--seal",), ("--fast",)):
+        options = [*way, "--duration", "1000000"]
+        with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", *options, folder=folder) as run:
+            page = Page(browser, run.url)
+            page.wait("godobject.player.latest.cycle > 300", "it runs")
+            start = page.js("(godobject.before = godobject.inspector.history[0], godobject.state.about.bodies[0])")
+            if "--seal" not in options:
+                press(browser, "keydown", " ")
+                page.wait("godobject.phase() === 'the run is paused'", "paused")
+            before = cycle(page)
+            browser.find_element("id", "reset").click()
+            page.wait(f"godobject.player.latest.cycle < {before}", "the time is back")
+            if "--seal" not in options:
+                page.wait("godobject.player.latest.cycle === 0 && godobject.player.latest.t === 0", "paused at the start")
+                x, y, z = page.js("godobject.body(godobject.names()[0]).slice(0, 3)")
+                assert all(abs(a - b) < 1e-6 for a, b in zip((x, y, z), start["pose"])), (start, x, y, z)
+                press(browser, "keydown", "ArrowRight")
+                page.wait("godobject.player.latest.cycle === 1", "one period")
+                assert page.js("godobject.inspector.history.length") <= 2, "the curves are those of this run"
+                press(browser, "keydown", " ")
+            page.wait("godobject.player.latest.cycle > 100", "it runs again")
+            press(browser, "keydown", "Home")
+            page.wait("!document.body.classList.contains('stale')", "not stale")
+            assert run.process.poll() is None
+            assert "a page has reset the run: it starts again" in run.text(), run.text()
+            assert not page.errors(), page.errors()
+            assert run.end() == 0, run.text()
+
+
+def test_a_run_that_writes_its_steps_refuses_a_reset(browser, folder):
+    with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", "--view-input", "--record", f"{folder}/kept.godo", folder=folder) as run:
+        page = Page(browser, run.url)
+        page.wait("godobject.player.latest.cycle > 100", "it runs")
+        assert page.js("godobject.player.resetButton.disabled")
+        why = page.js("godobject.player.resetButton.title")
+        assert "kept.godo, whose steps follow one another" in why, why
+        stream = run.stream()
+        stream.scene()
+        before = stream.frame()["cycle"]
+        stream.send(struct.pack("<IHH", 0x52564F47, 1, 0))
+        while stream.frame()["cycle"] < before + 100:
+            continue
+        assert f"a reset was ignored: {why}" in run.text(), run.text()
+        assert run.end() == 0, run.text()
+    replayed = subprocess.run([ARGS.program, "replay", f"{folder}/kept.godo"], capture_output=True, text=True, timeout=120)
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
 def test_a_run_in_wall_time_goes_on_under_a_paused_picture(browser, folder):
     with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", "--duration", "300", folder=folder) as run:
         page = Page(browser, run.url)
@@ -194,6 +244,8 @@ def main():
         test_sound_of_impacts_and_distance,
         test_a_click_shows_a_body_with_its_curves,
         test_a_run_without_hardware_pauses_steps_and_slows,
+        test_a_run_without_hardware_starts_again,
+        test_a_run_that_writes_its_steps_refuses_a_reset,
         test_a_run_in_wall_time_goes_on_under_a_paused_picture,
         test_pictures_films_and_a_contact_sheet_are_files))
 

@@ -264,14 +264,15 @@ class RealtimeRun {
   std::atomic<bool> ended_{false};
 };
 
-void finish(RunResult& result, const StopSignals& stop, const Recoveries& recoveries, RunEvents& events,
-            BackgroundFile& console) {
+void finish(RunResult& result, const RunCycle& cycle, const StopSignals& stop, const Recoveries& recoveries,
+            RunEvents& events, BackgroundFile& console) {
   events.drain();
   result.recoveries = recoveries.list();
   result.events = events.list();
   result.lost_events = events.left_out();
   result.ready = result.statistics.cycles > 0;
   result.stopped_by = stop.name();
+  result.is_reset = cycle.is_reset();
   result.lost_console_lines = console.close(BackgroundFile::Clock::now() + console_patience).lost_lines;
 }
 
@@ -315,10 +316,10 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
       take_state(session, state);
       files.add(state);
     }
-  } while (recoveries.again());
+  } while (!cycle.is_reset() && recoveries.again());
   progress.end();
   result.statistics = cycle.statistics();
-  finish(result, stop, recoveries, events, console);
+  finish(result, cycle, stop, recoveries, events, console);
   return result;
 }
 
@@ -337,9 +338,9 @@ std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, Run
   Recoveries recoveries(session, run->cycle(), plan, real, stop.requested(), events);
   do {
     if (!run->run()) return std::nullopt;
-  } while (recoveries.again());
+  } while (!run->cycle().is_reset() && recoveries.again());
   run->add_to(result);
-  finish(result, stop, recoveries, events, console);
+  finish(result, run->cycle(), stop, recoveries, events, console);
   return result;
 }
 

@@ -91,7 +91,11 @@ class RunCycle {
     session_.hold(deadlines_.holds());
     if (deadlines_.lost()) session_.deadlines_missed();
   }
-  bool ended() const noexcept { return session_.phase() == RunPhase::ended || log_ended(); }
+  bool ended() const noexcept { return session_.phase() == RunPhase::ended || log_ended() || is_reset(); }
+  /// True if a page has reset the run, and no signal stops it.
+  bool is_reset() const noexcept {
+    return tap_ && tap_->is_reset() && !stop_.load(std::memory_order_relaxed);
+  }
   /// Sets the flag that stops the motors at once, without running down. Not while the loop runs.
   void quick_stop_on(const std::atomic<bool>& insisted) noexcept { insisted_ = &insisted; }
   /// Sets the seal of the loop, which stops the motors at once when it is broken. Not while the loop runs.
@@ -157,7 +161,7 @@ class RealtimeCycle {
   bool operator()(const Wake& wake) noexcept GODOBJECT_NONBLOCKING {
     entry_.wake_ns = wake.latency;
     cycle_.watch(wake);
-    if (!cycle_.may_run(entry_.record)) return true;
+    if (!cycle_.may_run(entry_.record)) return !cycle_.ended();
     if (cycle_.run(entry_.record)) {
       static_cast<void>(out_.try_push(entry_));  // the ring counts losses
       if (++steps_ == warm_up_steps) faults_before_ = loop::page_faults();
@@ -242,6 +246,7 @@ struct RunResult {
   bool ready = false;                   // true if the device came up; otherwise no cycle was run
   std::vector<std::string> not_set_up;  // reasons why nodes could not be set up; if any, no cycle was run
   std::string_view stopped_by;          // "SIGINT", ...; empty: all cycles were run
+  bool is_reset = false;                // true if a page ended the run to start it again
   RunStatistics statistics;
   CyclicStatistics timing;                // wake-up, late, skipped: --realtime only
   std::vector<RtStep> setup;              // --realtime only

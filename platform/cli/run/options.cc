@@ -218,6 +218,7 @@ PreparedRun prepare(const RunOptions& options) {
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);
   const bool only_with_step = options.step && has_rig(scene) && !is_rig_valid(scene) && of_file.is_valid;
+  run.motion = motion;
   Session::Made made = make_session(options, *std::move(loaded.scene), *std::move(motion), run);
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
   if (made.session) {
@@ -229,6 +230,30 @@ PreparedRun prepare(const RunOptions& options) {
   }
   if (run.errors.empty()) run.session = std::move(made.session);
   return run;
+}
+
+std::string why_no_reset(const RunOptions& options, const PreparedRun& run) {
+  const auto refused = [](const std::string& why) { return why + ": stop the run, and start it again"; };
+  if (run.session->bus() == BusChoice::real || !options.trackers.empty() || run.spacemouse ||
+      run.socket_device)
+    return refused("this run has hardware, which cannot go back");
+  if (run.world) return refused("the simulation of --world cannot go back");
+  const RunFileNames& files = options.files;
+  for (const std::string* file : {&files.trace, &files.contacts, &files.nets, &files.record, &files.on_fault})
+    if (!file->empty()) return refused("this run writes " + *file + ", whose steps follow one another");
+  return "";
+}
+
+PreparedRun prepare_again(const RunOptions& options, const PreparedRun& run) {
+  PreparedRun next;
+  next.buses = run.buses;
+  next.profiles = run.profiles;
+  Session::Made made = make_session(options, run.session->scene(), *run.motion, next);
+  next.errors = made.errors;
+  if (!made.session) return next;
+  next.session = std::move(made.session);
+  add_hand(options, *next.session, next);
+  return next;
 }
 
 }  // namespace godobject

@@ -70,6 +70,7 @@ struct PreparedRun {
   std::unique_ptr<SharedWorld> shared_world;            // with --world; else null
   std::unique_ptr<WorldPlanes> world;                   // likewise
   std::unique_ptr<Session> session;                     // null if there are errors
+  std::optional<Motion> motion;                         // of the session
   RunPlan plan;
   BusPlan buses;
   LinuxLink* link = nullptr;          // the session's link if its buses are real; they are closed
@@ -83,6 +84,12 @@ struct PreparedRun {
 };
 
 PreparedRun prepare(const RunOptions& options);
+
+/// Returns why the run cannot be started again; empty if it can: it has no hardware and writes no steps.
+std::string why_no_reset(const RunOptions& options, const PreparedRun& run);
+
+/// Prepares the same run again: session and pointers alone, or errors. why_no_reset() must be empty.
+PreparedRun prepare_again(const RunOptions& options, const PreparedRun& run);
 
 /// True if the scene has a device on buses.
 inline bool has_rig(const SceneConfig& scene) { return scene.device && scene.device->rig; }
@@ -180,6 +187,9 @@ class RunView {
  public:
   /// Starts the server and sets the plan's tap. Returns why this failed; empty on success.
   std::string start(const RunOptions& options, PreparedRun& prepared);
+  /// Replaces the session of the run, which a page has reset, by one at its start. Not while the loop runs.
+  /// Returns why this failed; empty on success.
+  std::string start_again(const RunOptions& options, PreparedRun& prepared);
   std::vector<std::string> announcement() const { return view_lines(server_->url(), address_); }
 
  private:

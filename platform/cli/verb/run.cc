@@ -58,6 +58,21 @@ Nanoseconds log_origin_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(day).count() - MonotonicClock{}.now();
 }
 
+/// Runs the session, again from its start as often as a page resets the run. Returns the result of the last
+/// time; nothing if no thread can be started. real: as in run_realtime().
+std::optional<RunResult> run_to_end(const RunOptions& options, PreparedRun& prepared, RunFiles& files,
+                                    const RigOnBuses* real, RunView& view) {
+  for (;;) {
+    std::optional<RunResult> result = options.realtime
+                                          ? run_realtime(*prepared.session, prepared.plan, files, real)
+                                          : run_fast(*prepared.session, prepared.plan, files);
+    if (!result || !result->is_reset) return result;
+    const std::string why_not = view.start_again(options, prepared);
+    print_lines(stderr, "view: ", {why_not.empty() ? "a page has reset the run: it starts again" : why_not});
+    if (!why_not.empty()) return result;
+  }
+}
+
 ExitCode run(RunOptions options) {
   guard_process();
   if (options.require_rt || options.seal) options.realtime = true;
@@ -79,8 +94,8 @@ ExitCode run(RunOptions options) {
     print_lines(stderr, "", {why_not});
     return ExitCode::usage;
   }
-  Session& session = *prepared.session;
-  list_recorded(options.files, session);  // before anything else takes the size of its records
+  const Session& session = *prepared.session;
+  list_recorded(options.files, *prepared.session);  // before anything else takes the size of its records
   std::optional<RigOnBuses> real;
   if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse || prepared.socket_device ||
       prepared.world || ((options.view || !options.openigtlink.empty()) && !options.fast))
@@ -124,9 +139,7 @@ ExitCode run(RunOptions options) {
   if (session.bus() == BusChoice::real && !prepared.log) wall_origin_ns = log_origin_ns();
   options.files.scene = options.scene;
   RunFiles files(options.files, session.scene(), wall_origin_ns.value_or(0));
-  const std::optional<RunResult> result =
-      options.realtime ? run_realtime(session, prepared.plan, files, real ? &*real : nullptr)
-                       : run_fast(session, prepared.plan, files);
+  const std::optional<RunResult> result = run_to_end(options, prepared, files, real ? &*real : nullptr, view);
   if (!result) {
     std::fputs(
         "--realtime: the program cannot start a thread on this machine; raise the limits of processes and "

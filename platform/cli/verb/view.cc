@@ -211,6 +211,7 @@ std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
                   .takes_pointer = options.view_input,
                   .takes_pace = may_pause(options, prepared),
                   .fast = !options.realtime,
+                  .no_reset = why_no_reset(options, prepared),
                   .warning = view_warning(options.view_address)};
   add_words(about);
   for (const BusLoad& load : prepared.bus_loads)
@@ -227,6 +228,16 @@ std::string RunView::start(const RunOptions& options, PreparedRun& prepared) {
   server_ = ViewServer::start(settings, *live_, log, why_not);
   if (server_) prepared.plan.tap = &live_->tap();
   return why_not;
+}
+
+std::string RunView::start_again(const RunOptions& options, PreparedRun& prepared) {
+  PreparedRun next = prepare_again(options, prepared);
+  if (!next.session) return next.errors.front();
+  live_->restart(*next.session, next.pointer.get(), next.joint_pointer.get());
+  prepared.session = std::move(next.session);  // the former one, before its devices
+  prepared.pointer = std::move(next.pointer);
+  prepared.joint_pointer = std::move(next.joint_pointer);
+  return "";
 }
 
 std::vector<std::string> view_lines(const std::string& url, const std::string& address) {

@@ -1,6 +1,6 @@
 // Plays a recording: a slider, and frames at the speed of time. Pauses and steps a live run: the run itself
-// if it takes a pace, else the picture alone.
-import { PAUSED, encodePace } from "./wire.js";
+// if it takes a pace, else the picture alone. Resets a run without hardware.
+import { PAUSED, encodePace, encodeReset } from "./wire.js";
 
 export class Player {
   // show(frame), mark(t): draw a frame, and its time in the curves. send(buffer): to the run. history(): the
@@ -20,7 +20,9 @@ export class Player {
     Object.assign(this, { about, frozen: false, latest: null, shown: null, frames: [], playing: false });
     this.takesPace = about.live && about.takes_pace;
     this.bar.hidden = !about.live;
-    this.slider.hidden = this.resetButton.hidden = about.live;
+    this.slider.hidden = about.live;
+    this.noReset = about.live ? about.no_reset : "";
+    Object.assign(this.resetButton, { disabled: Boolean(this.noReset), title: this.noReset || "Home: to the start" });
     this.speed.hidden = about.live && !about.takes_pace;
     const speeds = [["0.01x", 0.01], ["0.1x", 0.1], ["0.25x", 0.25], ["1x", 1], ...about.live ? [] : [["2x", 2], ["5x", 5]], ...about.fast ? [["no limit", Infinity]] : []];
     this.speed.replaceChildren(...speeds.map(([text, value]) => new Option(text, String(value))));
@@ -81,7 +83,12 @@ export class Player {
     this.show(this.shown = list[Math.min(Math.max(at + frames, 0), last)]);
     this.mark(this.shown.t);
   }
+  // Starts a run again, or shows the start of a recording.
   reset() {
+    if (this.isLive && !this.noReset) {
+      this.freeze(false);
+      this.send(encodeReset());
+    }
     if (this.isLive || !this.frames.length) return;
     this.playing = false;
     this.showAt(this.frames[0].t);

@@ -1,6 +1,6 @@
 // Binary frames and pointer messages: docs/view.md.
 
-const FRAME = 0x46564f47, POINTER = 0x50564f47, PACE = 0x43564f47, VERSION = 1, JOINTS_VERSION = 2, MAX_JOINTS = 16;
+const FRAME = 0x46564f47, POINTER = 0x50564f47, PACE = 0x43564f47, RESET = 0x52564f47, VERSION = 1, JOINTS_VERSION = 2, MAX_JOINTS = 16;
 const BODY = 28, DRIVEN = 76, CONTACT = 44, VERTEX = 12;
 export const PHASES = ["off", "booting", "running", "running down", "closing", "ended"];
 export const ENGAGED = 1, ON_HOLD = 2, OSCILLATES = 4, MISSED_DEADLINES = 8, PAUSED = 16;
@@ -68,5 +68,13 @@ export function encodePace({ speed, steps }) {
   data.setUint16(4, VERSION, true);
   data.setUint16(6, steps, true);
   data.setFloat32(8, speed, true);
+  return data.buffer;
+}
+
+// Starts the run again.
+export function encodeReset() {
+  const data = new DataView(new ArrayBuffer(8));
+  data.setUint32(0, RESET, true);
+  data.setUint16(4, VERSION, true);
   return data.buffer;
 }

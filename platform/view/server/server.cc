@@ -48,17 +48,23 @@ void Stream::take(Error error) {
     PointerMessage message;
     JointsMessage joints;
     PaceMessage pace;
-    const bool of_joints = socket_.got_binary() && decode(bytes, joints) == ParseResult::ok;
-    const bool of_pace = !of_joints && socket_.got_binary() && decode(bytes, pace) == ParseResult::ok;
-    if (!of_joints && !of_pace && (!socket_.got_binary() || decode(bytes, message) != ParseResult::ok)) {
+    ResetMessage reset;
+    const auto is = [&](auto& of) { return socket_.got_binary() && decode(bytes, of) == ParseResult::ok; };
+    ViewSource& source = hub_.source();
+    if (is(reset)) {
+      if (const std::string why_not = source.reset(); !why_not.empty())
+        hub_.log("a reset was ignored: " + why_not);
+    } else if (is(pace)) {
+      if (!source.set_pace(id_, pace))
+        hub_.log("a pause was ignored: it needs --view-input or --fast, and a run without hardware");
+    } else if (const bool of_joints = is(joints); of_joints || is(message)) {
+      if (!(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
+        hub_.log(
+            "a pointer message was ignored: --view-input is not given, or another client moves the tool");
+    } else {
       hub_.log("a client was closed: it sent no valid pointer message");
       return close(websocket::close_code::policy_error, "this is no valid pointer message");
     }
-    ViewSource& source = hub_.source();
-    if (of_pace && !source.set_pace(id_, pace))
-      hub_.log("a pause was ignored: it needs --view-input or --fast, and a run without hardware");
-    else if (!of_pace && !(of_joints ? source.move_joints(id_, joints) : source.point(id_, message)))
-      hub_.log("a pointer message was ignored: --view-input is not given, or another client moves the tool");
   }
   buffer_.consume(buffer_.size());
   read();

@@ -45,6 +45,8 @@ class ViewSource {
   virtual bool move_joints(std::uint64_t /*client*/, const JointsMessage& /*message*/) { return false; }
   /// Sets the speed of the run. Returns false if pages may not set it.
   virtual bool set_pace(std::uint64_t /*client*/, const PaceMessage& /*message*/) { return false; }
+  /// Starts the run again. Returns why this is refused; empty if it is not.
+  virtual std::string reset() { return "this is no run"; }
   /// Releases the bodies, joints or speed of a client that is gone.
   virtual void leave(std::uint64_t /*client*/) {}
 };
