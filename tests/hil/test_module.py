@@ -250,6 +250,16 @@ def test_the_plugin_reports_frames_and_repeats(tmp_path, scene, program):
     assert re.search(r"SKIPPED.*only on a simulated rig", on_hardware), on_hardware
 
 
+def test_the_example_of_the_readme_is_a_test(tmp_path, scene, program):
+    example = re.search(r"```python\n(.*?)```", (SOURCE / "README.md").read_text(), re.S)[1]
+    (tmp_path / "test_it.py").write_text(example)
+    command = [sys.executable, "-m", "pytest", "-p", "godobject.hil.pytest_plugin", "-p", "no:cacheprovider", tmp_path,
+               "--program", program, "--scene", scene]
+    environment = dict(os.environ, PYTHONPATH=str(MODULES), PYTHONDONTWRITEBYTECODE="1")
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=100)
+    assert "1 passed" in done.stdout, done.stdout + done.stderr
+
+
 def test_types_are_complete(tmp_path):
     pytest.importorskip("mypy", reason="no mypy: apt-get install mypy")
     command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path, MODULES / "godobject"]
