@@ -17,6 +17,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
+constexpr double moment_rounding = 1e-14;    // relative, of computed principal moments
 constexpr double triangle_tolerance = 1e-6;  // relative; descriptions print six digits or more
 
 TextPosition place_of(const XMLElement& e) {
@@ -168,6 +169,7 @@ class UrdfReader {
     if (mass == nullptr || inertia == nullptr) return;
     const Pose X = origin(e, owner);
     UrdfInertial read{.mass = number(*mass, "value", owner), .p_L = X.p, .I_L = {}};
+    if (read.mass == 0) return;  // because frames and bases of arms are described so
     if (!mass_of_body.contains(read.mass))
       error(*mass, owner + " has a mass of " + shortest_plain(read.mass) + " kg: give " +
                        shortest_plain(mass_of_body.min) + " to " + shortest_plain(mass_of_body.max) +
@@ -180,11 +182,13 @@ class UrdfReader {
     I(0, 2) = I(2, 0) = number(*inertia, "ixz", owner, 0);
     I(1, 2) = I(2, 1) = number(*inertia, "iyz", owner, 0);
     const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(I, Eigen::EigenvaluesOnly).eigenvalues();
-    if (!(moments.x() > 0) || moments.z() > (moments.x() + moments.y()) * (1 + triangle_tolerance))
-      error(*inertia, owner + " has principal moments of inertia " + shortest_plain(moments.x()) + ", " +
-                          shortest_plain(moments.y()) + ", " + shortest_plain(moments.z()) +
-                          " kg m^2, as no solid has: each must be above 0 and at most the sum of the other "
-                          "two; correct ixx to izz, about the centre of mass");
+    const std::string written = owner + " has principal moments of inertia " + shortest_plain(moments.x()) +
+                                ", " + shortest_plain(moments.y()) + ", " + shortest_plain(moments.z()) +
+                                " kg m^2, as no solid has: each must be above 0 and at most the sum of the "
+                                "other two; correct ixx to izz, about the centre of mass";
+    if (!(moments.x() > moment_rounding * moments.z())) error(*inertia, written);
+    else if (moments.z() > (moments.x() + moments.y()) * (1 + triangle_tolerance))
+      log_.warning(place_of(*inertia), written);  // as in scenes, because the equations hold
     const Mat3 R = X.q.toRotationMatrix();
     read.I_L = X.q.vec().isZero(0) ? I : Mat3(R * I * R.transpose());
     link.inertial = read;

@@ -339,6 +339,19 @@ TEST_F(UrdfMesh, ShapesOfTheWorldAreObstacles) {
   EXPECT_THAT(robot.warnings, Contains(HasSubstr("link 'post': shape is left out")));
 }
 
+TEST(UrdfImport, TakesFramesAndBasesWithAMassOfZeroAndWarnsOfInertiaThatNoSolidHas) {
+  const std::string weightless = inertial(0, Vec3::Zero(), "0 0 0", Vec3::Zero());
+  const Imported robot =
+      imported("<robot name=\"r\">" + link("base", weightless) + link("flange", weightless) +
+               link("arm", inertial(1, Vec3::Zero(), "0 0 0", Vec3(1, 1, 2.1))) +
+               joint("j", "continuous", "base", "arm") + joint("k", "fixed", "arm", "flange") + "</robot>");
+  EXPECT_THAT(robot.loaded.errors, IsEmpty()) << robot.toml;
+  ASSERT_THAT(robot.scene().bodies, SizeIs(1));
+  EXPECT_EQ(robot.scene().bodies[0].mass, 1);
+  EXPECT_THAT(robot.warnings,
+              Contains(HasSubstr("link 'arm' has principal moments of inertia 1, 1, 2.1 kg m^2")));
+}
+
 // ---- errors ---------------------------------------------------------------------------------------
 
 struct Wrong {
@@ -352,10 +365,8 @@ TEST(UrdfImport, EveryErrorNamesItsElementAndTheRemedy) {
     return base + arm + joint("j", "revolute", "base", "arm", limit);
   };
   const std::vector<Wrong> cases{
-      {base + link("arm", of_mass(0)) + ok, "link 'arm' has a mass of 0 kg: give"},
+      {base + link("arm", of_mass(0)) + ok, "link 'arm' moves by joint 'j' and has no mass"},
       {base + link("arm", of_mass(-2)) + ok, "link 'arm' has a mass of -2 kg: give"},
-      {base + link("arm", inertial(1, Vec3::Zero(), "0 0 0", Vec3(1, 1, 2.1))) + ok,
-       "link 'arm' has principal moments of inertia 1, 1, 2.1 kg m^2"},
       {base + link("arm", inertial(1, Vec3::Zero(), "0 0 0", Vec3(0, 1, 1))) + ok, "each must be above 0"},
       {base + link("arm", "<inertial><mass value=\"1\"/></inertial>") + ok, "<inertial> has no <inertia"},
       {base + link("arm", "<inertial/>") + ok, "<inertial> has no <mass"},
@@ -412,7 +423,7 @@ TEST(UrdfImport, EveryErrorNamesItsElementAndTheRemedy) {
 
 TEST(UrdfImport, AllErrorsAreListedInTheOrderOfTheFile) {
   const Imported robot = imported("<robot name=\"r\">\n<link name=\"a b\"/>\n" +
-                                  link("arm", inertial(0, Vec3::Zero(), "0 0 0", Vec3(1, 1, 3))) +
+                                  link("arm", inertial(-2, Vec3::Zero(), "0 0 0", Vec3(0, 1, 3))) +
                                   joint("j", "screw", "base", "arm") + "</robot>");
   EXPECT_THAT(robot.errors,
               ElementsAre(HasSubstr("a.urdf:2:1: a link has the name 'a b'"),
