@@ -113,7 +113,7 @@ BackgroundFile::Result BackgroundFile::close(Clock::time_point until) {
   if (!state_->ended && !state_->failed)
     state_->fail("it accepted no more bytes in time, and writing was given up");
   const bool ended = state_->ended;
-  Result result{.why = state_->why, .lost_lines = state_->lost_lines};
+  Result result{.why = state_->why, .lost_lines = state_->lost_lines, .written_bytes = state_->progress};
   lock.unlock();
   if (thread_.joinable()) ended ? thread_.join() : thread_.detach();
   return result;

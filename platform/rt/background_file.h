@@ -21,10 +21,11 @@ class BackgroundFile {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Text that did not get into the file.
+  /// Text that did not get into the file. A write that has not returned counts as lost.
   struct Result {
     std::string why;               // empty: all accepted text has been written
     std::uint64_t lost_lines = 0;  // lines that were refused, or accepted and not written
+    std::uint64_t written_bytes = 0;
   };
 
   /// Appends text that its writers kept back. The file's thread calls Source every gather_period.

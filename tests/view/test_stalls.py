@@ -98,7 +98,10 @@ def test_stalls_cost_lines_alone():
         expect_undisturbed(report, console)
         rows = trace.splitlines()
         complete = rows if trace.endswith("\n") else rows[:-1]
-        assert abs(len(complete) + lost[0] - (report["cycles"] + 2)) <= 1, (len(rows), lost, "head, start, and a row a cycle")
+        # Lines of a write that has not returned count as lost. Some of them may be in the FIFO.
+        unknown = 65536 * len(rows) // len(trace) + 1
+        counted = len(complete) + lost[0] - (report["cycles"] + 2)  # head, start, and a row a cycle
+        assert -1 <= counted <= unknown, (len(rows), lost)
         times = [float(row.split(",")[0]) for row in complete[1:]]
         assert all(abs(b - a - 1e-3) < 1e-6 for a, b in zip(times, times[1:])), "no row before the last is missing"
         if not stalls:

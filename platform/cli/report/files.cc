@@ -119,12 +119,8 @@ void InputLogOnDisk::add(std::string_view bytes, std::uint64_t rows, std::chrono
 std::optional<FileLoss> InputLogOnDisk::close(BackgroundFile::Clock::time_point until) {
   const BackgroundFile::Result result = file_.close(until);
   FileLoss loss{.path = path_, .why = result.why, .lost_lines = refused_rows_};
-  std::error_code error;
-  const std::uint64_t written = std::filesystem::file_size(path_, error);
-  if (!error) {
-    const auto last = std::ranges::upper_bound(ends_, written, {}, &End::bytes) - 1;
-    loss.lost_lines += ends_.back().rows - last->rows;
-  }
+  const auto last = std::ranges::upper_bound(ends_, result.written_bytes, {}, &End::bytes) - 1;
+  loss.lost_lines += ends_.back().rows - last->rows;
   if (loss.why.empty() && loss.lost_lines == 0) return std::nullopt;
   return loss;
 }

@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "platform/cli/report/files.h"
 #include "platform/rt/background_file.h"
 #include "tests/support/background_program.h"
 #include "tests/support/program.h"
@@ -52,6 +53,15 @@ TEST_F(BackgroundFiles, HasAllThatWasWritten) {
   EXPECT_THAT(result.why, IsEmpty());
   EXPECT_EQ(result.lost_lines, 0u);
   EXPECT_EQ(read_file(path("file")), expected);
+}
+
+TEST_F(BackgroundFiles, RowsOfAnInputLogThatNobodyReadsAreCounted) {
+  InputLogOnDisk log(fifo(), room);
+  log.add("head", 0, milliseconds(0));
+  for (int i = 0; i < 5; ++i) log.add("a chunk", 20, milliseconds(0));
+  const std::optional<FileLoss> loss = log.close(Clock::now());
+  ASSERT_TRUE(loss.has_value());
+  EXPECT_EQ(loss->lost_lines, 100u);
 }
 
 TEST_F(BackgroundFiles, NobodyWhoReadsKeepsNobody) {
