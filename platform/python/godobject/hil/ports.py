@@ -13,7 +13,7 @@ from pathlib import Path
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
-from .clocks import now
+from .clocks import Moment, moment, now
 from .errors import HilError, NotAvailable, TimedOut
 from .frames import Frame, make_frame
 
@@ -210,9 +210,11 @@ class Listener:
         assert found is not None
         return found
 
-    def send(self, can_id: int, data: bytes = b"", extended: bool = False) -> None:
-        """Sends a data frame."""
+    def send(self, can_id: int, data: bytes = b"", extended: bool = False) -> Moment:
+        """Sends a data frame and returns its moment."""
+        sent = moment(f"frame {can_id:03X} to {self.bus}")
         self.port.send(can_id, data, extended)
+        return sent
 
     def close(self) -> None:
         """Ends the thread and closes the port."""

@@ -152,6 +152,13 @@ def run(rig: Rig) -> Run:
 
 
 @pytest.fixture
+def pushing(rig: Rig, run: Run) -> Run:
+    """`run`, once a drive has displayed torque."""
+    rig.wait_for_torque()
+    return run
+
+
+@pytest.fixture
 def bus(rig: Rig) -> Listener:
     """Listener on the first bus of the scene."""
     return rig.bus
