@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/contact/find/world_geometry.h"
+#include "core/math/componentwise.h"
 
 namespace godobject {
 
@@ -111,10 +112,10 @@ Farthest farthest_along(const ContactFinder<Contacts, N>& w, std::uint32_t body,
     const PlacedShape& shape = w.placed[o];
     const Real reach = reach_along(n_W, shape);
     if (reach <= farthest.reach) continue;
-    const Vec3 side = (shape.R_WS().transpose() * n_W / flat).cwiseMin(1).cwiseMax(-1);
+    const Vec3 side = nearest_in_box(shape.R_WS().transpose() * n_W / flat, -Vec3::Ones(), Vec3::Ones());
     farthest = {.reach = reach,
                 .p_W = shape.p_W() + shape.R_WS() * points_apart(shape.in_world()).cwiseProduct(side),
-                .flat = shape.kind() == ShapeKind::box ? std::max(2 - side.lpNorm<1>(), Real(0)) : 0};
+                .flat = shape.kind() == ShapeKind::box ? std::max(2 - side.cwiseAbs().sum(), Real(0)) : 0};
   }
   for (std::uint32_t s = 0; s < owned.end_sphere - owned.first_sphere; ++s) {
     const Sphere one = sphere(&w.packs[owned.first_pack], s);
