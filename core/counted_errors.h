@@ -1,13 +1,12 @@
 // Attitude errors (16) of bodies on joints, with the whole turns by which targets lead their bodies.
 //
 // The short error phi of a body changes sides at half a turn. A change about an axis a of its joint, or of
-// one of its ancestors' joints, begins a count n of turns about that axis. The error is then
+// one of its ancestors' joints, changes the count n of that axis by one. The error is then
 //
-//   (16)  phi + 2 pi n grad t,  t: twist of q_BD about a
+//   (16)  phi + sum 2 pi n grad t,  t: twist of q_BD about a
 //
-// The second term is the slope of the energy ((t + 2 pi n)^2 - t^2) / 2. At the half turn t is +-pi about any
-// axis. So the energy does not jump if one count has all changes of side. It is never negative, so a count
-// that ends adds none.
+// The sum is the slope of the energy 2 pi n t + (2 pi n)^2 / 2. So neither torque nor energy jumps, and a
+// wound spring does no work on a closed path.
 #pragma once
 
 #include "core/joint_stage.h"
@@ -50,9 +49,6 @@ inline TwistAngle twist_angle(const Quat& q_BD, const Vec3& a_B, const Vec3& phi
           .grad_B = (w * w * a_B + along * q_BD.vec() + (is_on_body ? across : Vec3(-across))) * (1 / share)};
 }
 
-/// Squared size of errors that may need counting, rad^2: two of them add up to half a turn.
-inline constexpr Real large_error_sq = pi * pi / 4;
-
 /// Contribution of counted turns to the coupling of a body.
 struct CountedTurns {
   Vec3 turns_B = Vec3::Zero();  // sum in the error (16), rad
@@ -63,8 +59,7 @@ struct CountedTurns {
 /// and before(i), turns(i), and is_coupled(i).
 ///
 /// A body's path is its joint and those before it, up to the world or to a body whose turns are not counted.
-/// Such a body is free or on a ball joint. No count begins while its error exceeds a quarter turn, because
-/// the whole tool may change sides.
+/// Such a body is free or on a ball joint. Its error is the reference of the others.
 template <Scene S, class Errors>
 class TurnCounter {
  public:
@@ -74,32 +69,48 @@ class TurnCounter {
   void count(std::size_t i) noexcept {
     TurnsAhead& turns = errors_.turns(i);
     const std::size_t r = end_of_path(i);
-    const bool counts = errors_.is_coupled(i) && r != i;
-    if (!counts || (turns.any() && !is_twisted(i, turns))) turns = {};
-    const bool has_root = r != world && errors_.is_coupled(r);
-    const bool may_begin = !has_root || errors_.phi(r).squaredNorm() <= large_error_sq;
-    if (!counts || !(turns.any() || may_begin)) return;
-    // a change that is counted does not wait for the end of the band, where the energy would jump
-    const Vec3 phi_B = errors_.phi(i);
-    const Real angle = phi_B.norm();
-    const Vec3 short_B = angle > pi ? Vec3(phi_B * (1 - 2 * pi / angle)) : phi_B;
-    const Vec3 jump = errors_.before(i) - short_B;
-    if (jump.squaredNorm() > pi * pi && flip(i, jump, turns)) errors_.set_phi(i, short_B);
+    if (!errors_.is_coupled(i) || r == i) {
+      turns = {};
+      return;
+    }
+    const Quat q_WB = errors_.q_WB(i);
+    Quat q_BD = q_WB.conjugate() * errors_.q_WD(i);  // against the reference
+    Vec3 phi_R = Vec3::Zero(), before = errors_.before(i);
+    if (r != world && errors_.is_coupled(r)) {
+      const Quat q_BR = q_WB.conjugate() * errors_.q_WB(r);
+      phi_R = to_world(q_BR, errors_.phi(r));
+      before -= to_world(q_BR, errors_.before(r));
+      q_BD = q_BR * (errors_.q_WD(r).conjugate() * errors_.q_WB(r)) * q_BR.conjugate() * q_BD;
+      errors_.set_phi(i, on_side_of(phi_R, before, errors_.phi(i)));
+    }
+    drop_untwisted(i, q_BD, turns);
+    const Vec3 jump = before - (errors_.phi(i) - phi_R);
+    if (jump.squaredNorm() > pi * pi) flip(i, jump, turns);
   }
 
   /// Returns the contribution of the turns of body i.
   CountedTurns counted(std::size_t i) const noexcept {
-    const TurnsAhead& turns = errors_.turns(i);
-    if (!turns.any()) return {};
+    CountedTurns sum;
+    Vec3 all_B = Vec3::Zero();
     const Quat q_BD = errors_.q_WB(i).conjugate() * errors_.q_WD(i);
-    const Real angle = 2 * pi * static_cast<Real>(turns.turns);
-    const TurnAxes axes = axes_of(turns.body, i);
-    const bool is_on_body = turns.body == i && turns.rotation + 1u == axes.size;
-    const TwistAngle twist = twist_angle(q_BD, axes.a[turns.rotation], errors_.phi(i), is_on_body);
-    return {.turns_B = angle * twist.grad_B, .energy = angle * (twist.angle + Real(0.5) * angle)};
+    for (const About& about : errors_.turns(i).list) {
+      if (about.turns == 0) continue;
+      const Real angle = 2 * pi * static_cast<Real>(about.turns);
+      const TurnAxes axes = axes_of(about.body, i);
+      const Vec3& a_B = axes.a[about.rotation];
+      const bool is_on_body = about.body == i && about.rotation + 1u == axes.size;
+      const TwistAngle twist = twist_angle(q_BD, a_B, errors_.phi(i), is_on_body);
+      sum.turns_B += angle * twist.grad_B;
+      sum.energy += angle * twist.angle;
+      all_B += angle * a_B;
+    }
+    sum.energy += Real(0.5) * all_B.squaredNorm();
+    return sum;
   }
 
  private:
+  using About = TurnsAhead::About;
+
   /// Returns the number of the body at the end of the path of body i.
   std::size_t end_of_path(std::size_t i) const noexcept {
     while (i != world) {
@@ -120,38 +131,70 @@ class TurnCounter {
     return axes;
   }
 
-  /// True if the error of body i has a twist about the axis of its turns.
-  bool is_twisted(std::size_t i, const TurnsAhead& turns) const noexcept {
-    const Quat q_BD = errors_.q_WB(i).conjugate() * errors_.q_WD(i);
-    const Real along = axes_of(turns.body, i).a[turns.rotation].dot(q_BD.vec());
-    return q_BD.w() * q_BD.w() + along * along >= min_twist_share;
+  /// Drops turns about axes about which the rotation q_BD of body i has no twist.
+  void drop_untwisted(std::size_t i, const Quat& q_BD, TurnsAhead& turns) const noexcept {
+    for (About& about : turns.list) {
+      if (about.turns == 0) continue;
+      const Real along = axes_of(about.body, i).a[about.rotation].dot(q_BD.vec());
+      if (q_BD.w() * q_BD.w() + along * along < min_twist_share) about = {};
+    }
   }
 
-  /// Counts a change of side of the error of body i by -jump, about the axis of its turns. The first one is
-  /// counted about the nearest axis of the path, within 60 degrees. Returns false if there is none.
-  bool flip(std::size_t i, const Vec3& jump, TurnsAhead& turns) const noexcept {
-    Real along = 0;
-    if (turns.any()) {
-      along = axes_of(turns.body, i).a[turns.rotation].dot(jump);
-    } else {
-      for (std::size_t j = i, end = end_of_path(i); j != end; j = par_.bodies[j].joint.parent) {
-        const TurnAxes axes = axes_of(j, i);
-        for (std::size_t c = 0; c < axes.size; ++c) {
-          const Real of_axis = axes.a[c].dot(jump);
-          if (!(std::abs(of_axis) > std::max(pi, std::abs(along)))) continue;
-          along = of_axis;
-          turns = {.body = static_cast<std::uint16_t>(j), .rotation = static_cast<std::uint16_t>(c)};
-        }
+  /// Counts a change of side of the error of body i by -jump. It takes a turn back if there is one, else it
+  /// adds one about the nearest axis of the path. Farther than 60 degrees from all axes it is not counted.
+  void flip(std::size_t i, const Vec3& jump, TurnsAhead& turns) const noexcept {
+    Real most = pi;
+    About* found = nullptr;
+    for (About& about : turns.list) {
+      if (about.turns == 0) continue;
+      const Real along = axes_of(about.body, i).a[about.rotation].dot(jump);
+      if ((along > 0) == (about.turns > 0) || !(std::abs(along) > most)) continue;
+      most = std::abs(along);
+      found = &about;
+    }
+    if (found != nullptr) {
+      found->turns = static_cast<std::int16_t>(found->turns + (found->turns > 0 ? -1 : 1));
+      return;
+    }
+    About nearest;
+    for (std::size_t j = i, end = end_of_path(i); j != end; j = par_.bodies[j].joint.parent) {
+      const TurnAxes axes = axes_of(j, i);
+      for (std::size_t c = 0; c < axes.size; ++c) {
+        const Real along = axes.a[c].dot(jump);
+        if (!(std::abs(along) > most)) continue;
+        most = std::abs(along);
+        nearest = {static_cast<std::uint16_t>(j), static_cast<std::uint16_t>(c),
+                   static_cast<std::int16_t>(along > 0 ? 1 : -1)};
       }
     }
-    if (along == 0) return false;
-    turns.turns = static_cast<std::int16_t>(turns.turns + (along > 0 ? 1 : -1));
-    return true;
+    for (About& about : turns.list) {
+      const bool is_same = about.body == nearest.body && about.rotation == nearest.rotation;
+      if (about.turns != 0 && is_same) found = &about;
+      if (about.turns == 0 && found == nullptr) found = &about;
+    }
+    if (found == nullptr) return;
+    nearest.turns = static_cast<std::int16_t>(nearest.turns + found->turns);
+    *found = nearest;
+  }
+
+  /// Returns the error phi_B, or that of the other way round, whichever is nearer to the reference phi_R.
+  /// Their difference keeps its side near the half turn. before: previous difference.
+  static Vec3 on_side_of(const Vec3& phi_R, const Vec3& before, const Vec3& phi_B) noexcept {
+    const Real angle = phi_B.norm();
+    if (!(angle > 0)) return phi_B;
+    const Vec3 u = phi_B * (1 / angle);
+    const Real beyond = u.dot(phi_B - phi_R);
+    const Real kept = whole_turns(beyond - u.dot(before));
+    const bool keeps = std::abs(beyond - 2 * pi * kept) <= pi + 2 * half_turn_band;
+    return phi_B - (2 * pi * (keeps ? kept : whole_turns(beyond))) * u;
   }
 
   const Params<S>& par_;
   Errors errors_;
 };
+
+/// Squared size of errors that may need counting, rad^2: two of them add up to half a turn.
+inline constexpr Real large_error_sq = pi * pi / 4;
 
 /// Error of a coupling.
 struct CouplingError {

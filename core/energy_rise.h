@@ -57,8 +57,12 @@ struct NextMotions {
 /// Returns a bound of the counted turns in the error of body i (16), rad.
 template <Scene S>
 Real max_counted([[maybe_unused]] const State<S>& x, [[maybe_unused]] std::size_t i) noexcept {
-  if constexpr (counts_errors<S>) return 2 * pi * std::abs(static_cast<Real>(x.bodies[i].joint.ahead.turns));
-  return 0;
+  Real turns = 0;
+  if constexpr (counts_errors<S>) {
+    for (const TurnsAhead::About& about : x.bodies[i].joint.ahead.list)
+      turns += std::abs(static_cast<Real>(about.turns));
+  }
+  return 2 * pi * turns;
 }
 
 /// Returns a lower bound of the moment of inertia about any axis, kg m^2.

@@ -59,8 +59,9 @@ class Hash {
     // the part within a turn follows from the poses
     const Real first = whole_turns(x.q[0]), second = whole_turns(x.q[1]);
     if (first != 0 || second != 0) add(first, second);
-    if (x.ahead.any())
-      add(std::uint64_t{x.ahead.body}, std::uint64_t{x.ahead.rotation}, static_cast<Real>(x.ahead.turns));
+    for (const TurnsAhead::About& about : x.ahead.list)
+      if (about.turns != 0)
+        add(std::uint64_t{about.body}, std::uint64_t{about.rotation}, static_cast<Real>(about.turns));
   }
   void add(const PrescribedJoints::State& x) noexcept {
     for (const JointCoordinates& a : {x.last.q, x.last.q_dot})

@@ -146,6 +146,10 @@ inline constexpr std::size_t max_touched_faces = 16;
 /// Materials of a scene, with a law per pair: tissues, parts of an instrument, the table. 64 laws take 3 kB.
 inline constexpr std::size_t max_materials = 8;
 
+/// Rotations of joints about which an error may have whole turns at a time (16). Flips about further ones are
+/// not counted. A wound tool needs one, or both of a universal joint. No sweep.
+inline constexpr std::size_t max_wound_axes = 4;
+
 // Newton's method over the modes of contacts (29).
 
 /// Limits of iterations. With fewer, some piles gain energy. Bodies on joints need twice as many, because

@@ -18,12 +18,20 @@ struct StopParams {
   Real width = 0;  // rad or m, > 0: range over which k and g rise from zero
 };
 
-/// Whole turns by which a body's target leads it (16), about a rotation of the joint of a body.
+/// Whole turns by which a body's target leads it (16).
 struct TurnsAhead {
-  std::uint16_t body = 0, rotation = 0;
-  std::int16_t turns = 0;  // 0: about no axis
+  /// Turns about a rotation of the joint of a body.
+  struct About {
+    std::uint16_t body = 0, rotation = 0;
+    std::int16_t turns = 0;  // 0: unused
+  };
+  std::array<About, max_wound_axes> list{};
 
-  bool any() const noexcept { return turns != 0; }
+  bool any() const noexcept {
+    bool any = false;
+    for (const About& about : list) any |= about.turns != 0;
+    return any;
+  }
 };
 
 /// Stops part of a joint: one for each of its coordinates, rotations first.

@@ -126,7 +126,7 @@ TYPED_TEST(WoundTargets, AreCountedFromEngaging) {
 TYPED_TEST(WoundTargets, AreInTheHash) {
   const auto run = wound_tool<Tool<TypeParam, 5>>();
   const std::uint64_t hash = run->hash();
-  std::int16_t& turns = run->x.bodies[0].joint.ahead.turns;
+  std::int16_t& turns = run->x.bodies[0].joint.ahead.list[0].turns;
   ASSERT_EQ(turns, 2);
   turns = 3;
   EXPECT_NE(run->hash(), hash);
