@@ -19,9 +19,6 @@ constexpr unsigned seeds = 4;  // builds with assertions and sanitizers take a h
 constexpr double pressed_share = 0.85;
 constexpr bool is_whole_sweep = seeds >= 100;
 
-/// Largest gain allowed, as a share of the energy at work.
-constexpr Real most_gain = 0.01;
-
 /// Outcome of a case.
 struct Outcome {
   bool finite = true, gains = false, pressed = false;
@@ -59,8 +56,8 @@ Outcome outlive(RandomNet<I>& net) {
     outcome.farthest = std::max(outcome.farthest, net.reach() / range.at(net, (n + 1) * net.of.h));
     const GainWatch& watch = net.balance.watch();
     if (!watch.gains()) continue;
+    outcome.gains = true;
     outcome.worst = std::max(outcome.worst, watch.gained() / std::max(watch.at_work(), gain_floor));
-    outcome.gains = outcome.gains || outcome.worst > most_gain;
   }
   return outcome;
 }
