@@ -45,8 +45,7 @@ inline constexpr std::array<CoreFaultText, 6> core_fault_texts{{
       "use fewer bodies in one heap, or a composition with a larger capacity"}},
     {Fault::energy_gained,
      {"energy_gained",
-      "total energy rose by more than 0.1 % within 1 s without external work; the simulation is not valid "
-      "from "
+      "total energy rose by more than 1 % within 1 s without external work; the simulation is not valid from "
       "then on. A single step beyond 10 times the energy was not taken",
       "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
       "tool"}},

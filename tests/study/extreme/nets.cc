@@ -32,7 +32,7 @@ ExtremeMap map_nets(bool quick, const Progress& progress) {
       .name = "nets",
       .about = "nets of 4 to 64 nodes in all cases of the tests",
       .measure = "the gain over the energy at work within 1 s",
-      .limit = red_gain,
+      .limit = gain_allowed,
       .panels = {"step, s", quick ? std::vector<double>{1e-3} : std::vector<double>{1e-4, 1e-3, 5e-3}},
       .rows = {"springs, N/m", log_spaced(1, 1e8, quick ? 2 : 9)},
       .columns = {"node, kg", log_spaced(1e-6, 1, quick ? 2 : 7)},

@@ -23,9 +23,6 @@ struct ExtremeCell {
   unsigned worst_draw = 0;
 };
 
-/// Gain of energy, as a share of the energy at work, above which a cell is red.
-inline constexpr double red_gain = 0.01;
-
 struct ExtremeMap {
   std::string name;     // name of its files
   std::string about;    // one line

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "tests/study/extreme/study.h"
+#include "core/gain_watch.h"
 #include "tests/study/map/section.h"
 #include "tests/study/peer/section.h"
 #include "tests/study/report/results.h"
@@ -81,7 +81,7 @@ springs, gravity, with nets of contacts, less outer work (core/energy_balance.h)
 or a joint 1 mm apart, is infinite.
 
 )";
-static_assert(red_gain == 0.01, "quoted above");
+static_assert(gain_allowed == 0.01, "quoted above");
 
 constexpr const char* nets_method =
     R"(**Nets.** Small: 5 x 5 nodes on a body swayed for 0.128 s, free, or a corner pressed on a plane
