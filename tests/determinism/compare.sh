@@ -26,9 +26,9 @@ levels_of() {
   if [ -n "${GODOBJECT_NIGHTLY:-}" ]; then
     echo -O0 -O3 ${wide:+-O3$wide} ${v3:+-O3$v3}
   elif [ "$1" = g++ ]; then
-    echo -O3 ${v3:+-O2$v3}
+    echo "-O2$v3"
   else
-    echo "-O0$wide"
+    echo -O0
   fi
 }
 
