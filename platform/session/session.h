@@ -102,6 +102,7 @@ class Session {
   void cycle(CycleRecord& record) noexcept GODOBJECT_NONBLOCKING;
 
   const SceneConfig& scene() const noexcept { return scene_; }
+  const Motion& motion() const noexcept { return motion_; }
   const Engine& engine() const noexcept { return *engine_; }
   /// True if a body follows a pose, so that there is a following error.
   bool follows() const noexcept;

@@ -218,7 +218,6 @@ PreparedRun prepare(const RunOptions& options) {
   if (follows_motion && !motion_targets(scene).empty())
     check_speed(scene, *motion, duration, speed_of, run.warnings);
   const bool only_with_step = options.step && has_rig(scene) && !is_rig_valid(scene) && of_file.is_valid;
-  run.motion = motion;
   Session::Made made = make_session(options, *std::move(loaded.scene), *std::move(motion), run);
   for (const std::string& error : made.errors) run.errors.push_back(blamed(options, only_with_step) + error);
   if (made.session) {
@@ -248,7 +247,7 @@ PreparedRun prepare_again(const RunOptions& options, const PreparedRun& run) {
   PreparedRun next;
   next.buses = run.buses;
   next.profiles = run.profiles;
-  Session::Made made = make_session(options, run.session->scene(), *run.motion, next);
+  Session::Made made = make_session(options, run.session->scene(), run.session->motion(), next);
   next.errors = made.errors;
   if (!made.session) return next;
   next.session = std::move(made.session);

@@ -70,7 +70,6 @@ struct PreparedRun {
   std::unique_ptr<SharedWorld> shared_world;            // with --world; else null
   std::unique_ptr<WorldPlanes> world;                   // likewise
   std::unique_ptr<Session> session;                     // null if there are errors
-  std::optional<Motion> motion;                         // of the session
   RunPlan plan;
   BusPlan buses;
   LinuxLink* link = nullptr;          // the session's link if its buses are real; they are closed
