@@ -264,14 +264,12 @@ struct TrBdf2 {
     return {.X_WB = moved<T>(y.X_WB, v_W, w_B, t), .v_W = y.v_W + t * a_W, .w_B = y.w_B + t * alpha_B};
   }
 
-  /// True if h |w| <= max_turn, so that the gyroscopic term is resolved. The bound is max_swing / sqrt(I_max
-  /// / I_min) for couplings without damping, which would keep a step's energy gain.
+  /// True if h |w| is small enough for an extrapolated step.
   template <Scene S>
   static bool turn_is_small(const BodyParams<S>& par, const Vec3& w_B, Real h) noexcept {
-    Real max_turn = uses<NetOf<S>> ? std::min(par.body.max_turn, max_carrier_turn) : par.body.max_turn;
-    if constexpr (uses<typename S::Coupling>) {
-      if (!(par.coupling.g_r > 0) && par.coupling.k_r > 0) max_turn = max_swing / par.body.anisotropy;
-    }
+    SpringParams coupling;
+    if constexpr (uses<typename S::Coupling>) coupling = par.coupling;
+    const Real max_turn = max_extrapolated_turn_of(par.body, coupling, uses<NetOf<S>>);
     return h * h * w_B.squaredNorm() <= max_turn * max_turn;
   }
 

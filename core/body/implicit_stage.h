@@ -16,6 +16,14 @@
 
 namespace godobject {
 
+/// Returns the largest rotation of a body in an extrapolated step of TrBdf2, rad, so that the gyroscopic term
+/// is resolved. It is smaller for couplings without damping, which would keep a step's energy gain.
+inline Real max_extrapolated_turn_of(const RigidBodyParams& body, const SpringParams& coupling,
+                                     bool with_nets) noexcept {
+  if (coupling.k_r > 0 && !(coupling.g_r > 0)) return max_swing / body.anisotropy;
+  return with_nets ? std::min(body.max_turn, max_carrier_turn) : body.max_turn;
+}
+
 /// Velocities of a body during a stage.
 template <class T>
 struct StageVelocityOf {

@@ -81,20 +81,15 @@ void add_times_to_zero(const PreparedRun& prepared, std::vector<std::string>& li
         line(i == 1 ? "time to zero" : "", "%s", table[i].substr(table[i].find_first_not_of("# ")).c_str()));
 }
 
-/// Returns the largest rotation of a body in a step of second order of TR-BDF2, rad: that of the core.
-double max_turn(const SceneConfig& scene, const BodyConfig& body) {
-  const RigidBodyParams par = rigid_body(body.mass, body.inertia);
-  if (body.coupling && body.coupling->k_r > 0 && !(body.coupling->g_r > 0)) return max_swing / par.anisotropy;
-  return scene.nets.empty() ? par.max_turn : std::min(par.max_turn, max_carrier_turn);
-}
-
 /// Adds the angular velocity below which TR-BDF2 is of second order: the smallest bound of all bodies.
 void add_order(const SceneConfig& scene, std::vector<std::string>& lines) {
   if (scene.integrator != "tr-bdf2") return;
   const BodyConfig* fastest = nullptr;
   double bound = std::numeric_limits<double>::infinity();
   for (const BodyConfig& body : scene.bodies) {
-    const double w = max_turn(scene, body) / scene.step;
+    const double w = max_extrapolated_turn_of(rigid_body(body.mass, body.inertia),
+                                              body.coupling.value_or(SpringParams{}), !scene.nets.empty()) /
+                     scene.step;
     if (w >= bound) continue;
     bound = w;
     fastest = &body;

@@ -106,13 +106,13 @@ struct Farthest {
 template <class Contacts, std::size_t N>
 Farthest farthest_along(const ContactFinder<Contacts, N>& w, std::uint32_t body, const Vec3& n_W) noexcept {
   const auto& owned = w.owned[body];
-  const Real flat = std::sqrt(1 - same_normal * same_normal);
+  const Real tilt = std::sqrt(1 - same_normal * same_normal);  // sine of an edge that is hardly across
   Farthest farthest;
   for (std::uint32_t o = owned.first_surface; o < owned.end_surface; ++o) {
     const PlacedShape& shape = w.placed[o];
     const Real reach = reach_along(n_W, shape);
     if (reach <= farthest.reach) continue;
-    const Vec3 side = nearest_in_box(shape.R_WS().transpose() * n_W / flat, -Vec3::Ones(), Vec3::Ones());
+    const Vec3 side = nearest_in_box(shape.R_WS().transpose() * n_W / tilt, -Vec3::Ones(), Vec3::Ones());
     farthest = {.reach = reach,
                 .p_W = shape.p_W() + shape.R_WS() * points_apart(shape.in_world()).cwiseProduct(side),
                 .flat = shape.kind() == ShapeKind::box ? std::max(2 - side.cwiseAbs().sum(), Real(0)) : 0};
