@@ -50,6 +50,11 @@ struct Key {
   std::string_view otherwise = {};  // text of the default if it depends on other keys
 };
 
+/// Returns " (m)"; empty without a unit.
+inline std::string with_unit(const Key& key) {
+  return key.unit.empty() ? "" : " (" + std::string(key.unit) + ")";
+}
+
 struct TableKey {
   std::string_view name;
   std::string_view meaning;

@@ -18,6 +18,9 @@ namespace godobject {
 /// Parses the tables of a text; none, and an error in the log, if it is not TOML.
 std::optional<toml::table> parse_toml(std::string_view text, Diagnostics& log);
 
+/// Returns "a table", "a number" or another type, for messages.
+std::string article_and_type(const toml::node& node);
+
 class TomlReader {
  public:
   /// title: name of the table in messages, as "[body.coupling]". The table and the log outlive the reader.

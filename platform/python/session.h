@@ -1,8 +1,8 @@
-// Python module godobject._core: a scene and its session. platform/python/godobject/scene.py extends it. The
-// interpreter's lock is released while steps are taken; no Python code runs per step.
-#include <pybind11/numpy.h>
+// A scene and its session in Python. The interpreter's lock is released while steps are taken; no Python code
+// runs per step.
+#pragma once
+
 #include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <array>
@@ -19,141 +19,15 @@
 #include <vector>
 
 #include "hal/rig/bus_load.h"
-#include "platform/cli/fault_texts.h"
 #include "platform/python/dict.h"
+#include "platform/python/errors.h"
+#include "platform/python/quantities.h"
 #include "platform/rig/buses.h"
-#include "platform/scene/table.h"
-#include "platform/session/record.h"
 #include "platform/simulated/session.h"
 
-namespace py = pybind11;
-
 namespace godobject {
-namespace {
 
-constexpr std::uint64_t steps_between_signals = 4096;  // steps between two checks for Ctrl-C
-
-/// Errors of a scene or a motion, thrown as the Python exception of this name of godobject.errors.
-struct Refused {
-  const char* exception;
-  std::vector<PlacedText> errors;
-};
-
-/// Throws the errors, if there are any. placed: the same with their places, as far as they have some.
-void refuse(const char* exception, const std::string& file, const std::vector<std::string>& errors,
-            std::vector<PlacedText> placed = {}) {
-  if (errors.empty()) return;
-  if (placed.empty())
-    for (const std::string& error : errors) placed.push_back({.file = file, .at = {}, .text = error});
-  throw Refused{exception, std::move(placed)};
-}
-
-/// Returns the arguments of a Problem of godobject.errors for each text.
-py::list problems(const std::vector<PlacedText>& texts) {
-  py::list list;
-  for (const PlacedText& text : texts) {
-    const py::object line = text.at ? py::cast(text.at->line) : py::none();
-    const py::object column = text.at ? py::cast(text.at->column) : py::none();
-    list.append(py::make_tuple(text.text, text.file, line, column));
-  }
-  return list;
-}
-
-void raise(const Refused& refused) {
-  const py::object type = py::module_::import("godobject.errors").attr(refused.exception);
-  PyErr_SetObject(type.ptr(), type(problems(refused.errors)).ptr());
-}
-
-// --- quantities of a state ------------------------------------------------------------------------
-
-void write(const Vec3& a, double* to) { std::copy_n(a.data(), 3, to); }
-void write(const Quat& q, double* to) {
-  const std::array wxyz{q.w(), q.x(), q.y(), q.z()};
-  std::ranges::copy(wxyz, to);
-}
-void write(const Wrench& F, double* to) {
-  write(F.f, to);
-  write(F.tau, to + 3);
-}
-void write(const Twist& V, double* to) {
-  write(V.v, to);
-  write(V.w, to + 3);
-}
-
-/// Quantity of each body: name, numbers of a body, the function that writes them, and the text of the view.
-struct BodyQuantity {
-  const char* name;
-  std::size_t width;
-  void (*write)(const BodyView& body, double* to);
-  const char* about;
-};
-
-constexpr std::array body_quantities{
-    BodyQuantity{"positions", 3, [](const BodyView& b, double* to) { write(b.X_WB.p, to); },
-                 "of the bodies' origins, m"},
-    BodyQuantity{"quaternions", 4, [](const BodyView& b, double* to) { write(b.X_WB.q, to); }, "w, x, y, z"},
-    BodyQuantity{"twists", 6, [](const BodyView& b, double* to) { write(b.V_WB, to); },
-                 "velocity, m/s, and angular velocity, rad/s"},
-    BodyQuantity{"coupling_wrenches", 6, [](const BodyView& b, double* to) { write(b.coupling_B, to); },
-                 "of the couplings on the bodies, about their origins: N, N m"},
-    BodyQuantity{"feedback_wrenches", 6, [](const BodyView& b, double* to) { write(b.feedback_D, to); },
-                 "displayed, about the targets' origins: N, N m"},
-    BodyQuantity{"contact_wrenches", 6, [](const BodyView& b, double* to) { write(b.contact_W, to); },
-                 "sums of the contacts, about the origins, mean over the step: N, N m"},
-    BodyQuantity{"joint_wrenches", 6, [](const BodyView& b, double* to) { write(b.joint_C, to); },
-                 "of each body's joint on it, about the joint's anchor, mean over the step: N, N m"},
-    BodyQuantity{"target_positions", 3, [](const BodyView& b, double* to) { write(b.target.X_WD.p, to); },
-                 "m; without meaning for a body without a coupling"},
-    BodyQuantity{"target_quaternions", 4, [](const BodyView& b, double* to) { write(b.target.X_WD.q, to); },
-                 "w, x, y, z; without meaning for a body without a coupling"},
-};
-
-using Numbers = std::vector<double>;
-using Shape = std::vector<py::ssize_t>;
-
-/// Returns a read-only array of the numbers, which are in the memory of the owner.
-py::array view(const Numbers& numbers, const Shape& shape, const py::object& owner) {
-  py::array_t<double> array(shape, numbers.data(), owner);
-  array.attr("setflags")(py::arg("write") = false);
-  return array;
-}
-
-/// Returns a read-only array that owns the numbers.
-py::array array_of(Numbers numbers, const Shape& shape) {
-  auto* const owned = new Numbers(std::move(numbers));
-  return view(*owned, shape, py::capsule(owned, [](void* p) { delete static_cast<Numbers*>(p); }));
-}
-
-py::ssize_t length(std::size_t n) { return static_cast<py::ssize_t>(n); }
-
-// --- faults ---------------------------------------------------------------------------------------
-
-using FaultBits = std::uint64_t;  // Fault, RigFault shifted by 32, and those of the run
-
-constexpr FaultBits unreachable_bit = FaultBits{1} << 62, oscillates_bit = FaultBits{1} << 63;
-
-/// Returns the texts of the faults of a step, each with its bit.
-std::vector<std::pair<FaultBits, FaultText>> fault_texts() {
-  std::vector<std::pair<FaultBits, FaultText>> texts;
-  for (const CoreFaultText& core : core_fault_texts)
-    texts.emplace_back(static_cast<std::uint32_t>(core.fault), core.text);
-  for (const RigFaultText& rig : rig_fault_texts())
-    texts.emplace_back(FaultBits{static_cast<std::uint32_t>(rig.fault)} << 32,
-                       FaultText{rig.name, rig.meaning, rig.remedy});
-  texts.emplace_back(unreachable_bit, text_of(RunFault::unreachable));
-  texts.emplace_back(oscillates_bit, text_of(RunFault::force_oscillates));
-  return texts;
-}
-
-[[noreturn]] void raise_fault(double t, const std::vector<FaultText>& faults) {
-  py::list texts;
-  for (const FaultText& fault : faults) texts.append(py::make_tuple(fault.name, fault.meaning, fault.remedy));
-  const py::object type = py::module_::import("godobject.errors").attr("FaultError");
-  PyErr_SetObject(type.ptr(), type(t, texts).ptr());
-  throw py::error_already_set();
-}
-
-// --- scene and session ----------------------------------------------------------------------------
+inline constexpr std::uint64_t steps_between_signals = 4096;  // steps between two checks for Ctrl-C
 
 /// States over time: of each quantity the numbers of one state after those of the other.
 struct Rows {
@@ -438,68 +312,4 @@ class PySession {
   bool stepping_ = false;  // true while the steps are taken; guarded by the interpreter's lock
 };
 
-// --- module ---------------------------------------------------------------------------------------
-
-template <class Of>
-std::vector<std::string> names(const std::vector<Of>& all) {
-  std::vector<std::string> list;
-  for (const Of& one : all) list.push_back(one.name);
-  return list;
-}
-
-void add_views(py::class_<PySession>& type) {
-  for (std::size_t k = 0; k < body_quantities.size(); ++k)
-    type.def_property_readonly(
-        body_quantities[k].name,
-        [k](const py::object& self) {
-          const auto& session = self.cast<const PySession&>();
-          const std::size_t bodies = session.scene().bodies.size();
-          return view(session.body_numbers(k), {length(bodies), length(body_quantities[k].width)}, self);
-        },
-        body_quantities[k].about);
-  type.def_property_readonly("joint_coordinates", [](const py::object& self) {
-    const Numbers& q = self.cast<const PySession&>().joint_numbers();
-    return view(q, {length(q.size())}, self);
-  });
-  type.def_property_readonly("net_nodes", [](const py::object& self) {
-    const Numbers& nodes = self.cast<const PySession&>().net_nodes();
-    return view(nodes, {length(nodes.size() / 3), 3}, self);
-  });
-}
-
-PYBIND11_MODULE(_core, module) {
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) std::rethrow_exception(thrown);
-    } catch (const Refused& refused) {
-      raise(refused);
-    }
-  });
-  module.def("keys_of_dict", &keys_of_dict, py::arg("scene"), py::arg("file"), py::arg("plain"));
-  py::class_<PySession> type(module, "Session");
-  type.def(py::init<const std::string&, const std::optional<py::dict>&, const py::function&,
-                    const std::string&, bool>(),
-           py::arg("path"), py::arg("parts"), py::arg("plain"), py::arg("bus"), py::arg("raises_faults"))
-      .def("_reset", &PySession::reset, py::arg("motion"), py::arg("file"))
-      .def("_step", &PySession::step, py::arg("n"), py::arg("every"))
-      .def("_num_steps", &PySession::num_steps, py::arg("duration"))
-      .def("_contacts", &PySession::contacts)
-      .def_property_readonly("_warnings", &PySession::warnings)
-      .def_property_readonly("faults", &PySession::faults,
-                             "name of each fault since the start: time of the first, s")
-      .def_property_readonly("limits", &PySession::limits,
-                             "name of each limit that was active since the start: number of steps")
-      .def_property_readonly("state_hash", &PySession::state_hash)
-      .def_property_readonly("name", [](const PySession& s) { return s.scene().name; })
-      .def_property_readonly("step_s", [](const PySession& s) { return s.scene().step; })
-      .def_property_readonly("bodies", [](const PySession& s) { return names(s.scene().bodies); })
-      .def_property_readonly("joints", [](const PySession& s) { return names(s.scene().joints); })
-      .def_property_readonly("targets", [](const PySession& s) { return motion_targets(s.scene()); })
-      .def_property_readonly("steps", [](const PySession& s) { return s.shown().cycle; })
-      .def_property_readonly("t", [](const PySession& s) { return s.shown().t; })
-      .def_property_readonly("energy", [](const PySession& s) { return s.shown().energy.total; });
-  add_views(type);
-}
-
-}  // namespace
 }  // namespace godobject
