@@ -10,6 +10,7 @@ namespace godobject {
 namespace {
 
 constexpr double widths_per_period = 40;   // smoothing widths in the fastest period
+constexpr double least_width = 2;          // of the smoothing, in samples
 constexpr double least_speed = 0.15;       // share of the peak speed; slower samples are left out
 constexpr double stride_widths = 2.5;      // distance of rows, so that their errors are nearly independent
 constexpr double own_mass_lever = 0.1;     // m: lever at which the moment of a hinge without mass is printed
@@ -71,7 +72,7 @@ class Smoother {
 
 /// Returns the smoothed samples of one direction of motion each, away from reversals.
 std::vector<Smoothed> rows_of(const JointExcitation& motion, const IdentificationParams& params) {
-  const double width_s = motion.fastest_period_s / widths_per_period;
+  const double width_s = std::max(motion.fastest_period_s / widths_per_period, least_width * params.period_s);
   const Smoother smooth(width_s, params);
   const auto n = static_cast<Eigen::Index>(std::min(motion.q.size(), motion.torque.size()));
   const auto stride = std::max<Eigen::Index>(1, std::llround(stride_widths * width_s / params.period_s));

@@ -110,6 +110,7 @@ void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code
   add_lss(app, code);
   add_drive(app, code);
   add_encoder(app, code);
+  add_identify(app, code);
   add_documents(app, code);
 }
 

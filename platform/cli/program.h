@@ -49,6 +49,7 @@ void add_sdo(CLI::App& app, ExitCode& code);
 void add_lss(CLI::App& app, ExitCode& code);
 void add_drive(CLI::App& app, ExitCode& code);
 void add_encoder(CLI::App& app, ExitCode& code);
+void add_identify(CLI::App& app, ExitCode& code);
 void add_documents(CLI::App& app, ExitCode& code);
 
 /// Replays an input log and prints as `replay` does. rows: receives the lines of its trace, the header first.

@@ -26,6 +26,9 @@ class RigRun {
   const std::vector<std::string>& errors() const noexcept { return errors_; }
   /// Step of the scene, s.
   double step_s() const noexcept { return scene_.step; }
+  const SceneConfig& scene() const noexcept { return scene_; }
+  /// The device, for the step: joints and commanded torques.
+  const RigDevice& device() const noexcept { return *device_; }
 
   /// One step on the real-time thread. Returns false if it was the last.
   /// First argument: samples of the scene's bodies at the end of the step.
