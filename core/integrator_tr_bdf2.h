@@ -309,7 +309,7 @@ struct TrBdf2 {
       const BodyState<S>& y = x.bodies[i];
       const Real h_sq = par.h * par.h;
       smooth = smooth && (y.memory.known || x.tick == 0) && turn_is_small<S>(par.bodies[i], y.x.w_B, par.h) &&
-               h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= max_swing_change * max_swing_change;
+               h_sq * h_sq * y.memory.alpha_B.squaredNorm() <= max_swing * max_swing;
       known = known && y.memory.known;
       if constexpr (uses<typename S::Device>) known = known && !w.coupling_inputs[i].fresh;
     }

@@ -58,7 +58,7 @@ inline bool is_valid(const FeedbackParams& par) noexcept {
 
 inline bool is_valid(const JointFrame& X) noexcept {
   const Real off = (X.R.transpose() * X.R - Mat3::Identity()).norm() + std::abs(X.R.determinant() - 1);
-  return off <= rotation_tolerance && X.p.sum() - X.p.sum() == 0;
+  return off <= input_tolerance && X.p.sum() - X.p.sum() == 0;
 }
 inline bool is_valid(const StopParams& par) noexcept {
   constexpr Real open = std::numeric_limits<Real>::infinity();
@@ -171,7 +171,7 @@ Validity validate(const Params<S>& par) noexcept {
     const BodyParams<S>& b = par.bodies[i];
     const Mat3& I = b.body.I_B;
     if (!(b.body.m > 0 && b.body.m - b.body.m == 0)) return {Invalid::mass_not_positive, i};
-    if (!((I - I.transpose()).norm() <= symmetry_tolerance * I.norm() && principal_moments(I).x() > 0))
+    if (!((I - I.transpose()).norm() <= input_tolerance * I.norm() && principal_moments(I).x() > 0))
       return {Invalid::inertia_not_positive, i};
     const Vec3 moments = principal_moments(I);
     if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= anisotropy_share * moments.z()))

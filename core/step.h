@@ -25,8 +25,8 @@ inline Real sum(const Wrench& F) noexcept { return F.tau.sum() + F.f.sum(); }
 inline Fault check(const PoseDevice::Input& in) noexcept {
   if (!in.valid) return Fault::none;
   if (!is_finite(sum(in.target.X_WD) + sum(in.target.V_WD))) return Fault::input_not_finite;
-  return std::abs(in.target.X_WD.q.squaredNorm() - 1) <= sample_quaternion_tolerance ? Fault::none
-                                                                                     : Fault::input_not_unit;
+  return std::abs(in.target.X_WD.q.squaredNorm() - 1) <= 2 * quaternion_tolerance ? Fault::none
+                                                                                  : Fault::input_not_unit;
 }
 inline Fault check(const RelativeDevice::Input& in) noexcept {
   if (!in.valid) return Fault::none;

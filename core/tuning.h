@@ -18,10 +18,8 @@ namespace godobject {
 /// Limit of h |w| sqrt(I_max / I_min), rad. Above it, a stage scales Newton's gyroscopic term down, because
 /// the full term could do work (proof: docs/theory/stage.md). Undamped motion and unknown accelerations are
 /// of second order up to it. tests/core/test_stability.cc.
+/// Steps whose initial change of rotation h^2 |w'| is above it are taken as implicit Euler stages.
 inline constexpr Real max_swing = 0.5;
-/// Limit of h^2 |w'|, rad. Steps with a larger initial change of rotation are taken as implicit Euler stages.
-/// As max_swing, without a sweep of its own.
-inline constexpr Real max_swing_change = 0.5;
 /// Half-turn band, of |cos(alpha / 2)|: nearer to the half turn, an attitude error keeps its side (16). 0.1
 /// rad exceeds the tremor of a tracked hand. A kept side holds at most 6 % more energy than the shorter one
 /// (docs/theory/stage.md). No sweep.
@@ -90,9 +88,9 @@ inline constexpr Real same_contact = 0.5;
 inline constexpr Real edge_reach = 0.02;
 /// Share of an edge's half length: crossings nearer to an end are left to the sphere there.
 inline constexpr Real edge_end = 0.01;
-/// Shares of the faces' depth and of the reach by which edges may be deeper than faces. For boxes lying on
-/// each other both axes are nearly one.
-inline constexpr Real deeper_than_faces = 0.1, deeper_than_reach = 0.1;
+/// Share of the sum of the faces' depth and the reach by which edges may be deeper than faces. For boxes
+/// lying on each other both axes are nearly one.
+inline constexpr Real deeper_edges = 0.1;
 /// Cosine between normals above which they count as equal. Boxes lying on each other then touch at all
 /// corners of their common area, however they are tilted.
 inline constexpr Real same_normal = 0.995;
@@ -165,9 +163,6 @@ inline constexpr Real doubtful_residual = 0.1;
 inline constexpr Real line_tolerance = 0.1, scale_tolerance = 1e-3;
 /// Limit of steps of either search. Each halves the interval at worst.
 inline constexpr int max_line_steps = 16;
-/// Share of the tolerance at which a step of either search aims, so that rounding does not exceed it. The
-/// middle, without a sweep.
-inline constexpr Real line_aim = 0.5;
 /// Upper end of the search for the multiple of V with the least E. The minimum is at 1 for unchanged modes;
 /// the next iteration continues a search that ends here. No sweep.
 inline constexpr Real max_scale = 2;
@@ -216,8 +211,6 @@ inline constexpr std::uint32_t max_faces_of_node = 8;
 inline constexpr std::size_t max_face_candidates = 64;
 /// Weight, outside a face, up to which a path crosses the face: paths between two faces cross at least one.
 inline constexpr Real face_rim = 0.02;
-/// Share of a node's radius: faces as deep up to this are nearest at the same point of an edge or corner.
-inline constexpr Real face_tie = 1e-9;
 /// Share of the thickness: a node that was deeper keeps its side of the surface, without a test of its path.
 inline constexpr Real kept_side_depth = 0.5;
 
@@ -246,17 +239,15 @@ inline constexpr std::size_t nodes_looked_ahead = 64;
 /// Divisor: a Newton iteration of a system with nets may take this share of the remaining iterations.
 /// Contacts may change their modes, and the next one needs some. tests/core/net/test_stability.cc.
 inline constexpr int net_iteration_divisor = 2;
-/// Share of V^T A V in the deformation below which a net moves with its carrier up to rounding (45).
-inline constexpr Real least_deforming = 1e-12;
 
 // Gaps in a device's samples (core/device). tests/core/contact/test_sample_gaps.cc; docs/decisions/026.
 
 /// Steps without a valid sample that are bridged, for a late answer or an outlier. The target continues its
 /// motion.
 inline constexpr int bridged_steps = 3;
-/// Times after a longer gap, s. The feedback stays constant for the first one (or the ramp, if longer) and
-/// grows during the second. The softest of the swept couplings catches up in it.
-inline constexpr Real quiet_after_gap = 0.25, growth_after_gap = 0.25;
+/// Time after a longer gap, s. The feedback stays constant for it (or the ramp, if longer) and grows during
+/// as much again. The softest of the swept couplings catches up in it.
+inline constexpr Real after_gap = 0.25;
 /// Longest gap over which a gripped body stays gripped, s: the ramp corrects its motion in that time.
 inline constexpr Real max_gap_with_grip = 0.1;
 /// After a bridged gap the feedback may not grow for this multiple of the gap. Meanwhile the bridge's error
@@ -286,21 +277,20 @@ inline constexpr Real gain_window = 1;
 // Rounding tolerances in checks of parameters and inputs, and in geometry. Far above the rounding of a
 // double, far below perception and the solver's tolerances. Not chosen by a sweep.
 
-/// Tolerances of |q|^2 - 1 of quaternions, in a scene and in a sample. The length differs by half of it.
-inline constexpr Real quaternion_tolerance = 1e-6, sample_quaternion_tolerance = 2e-6;
-/// Tolerances of a joint frame's distance from a rotation, and of the asymmetric share of an inertia.
-inline constexpr Real rotation_tolerance = 1e-9, symmetry_tolerance = 1e-9;
+/// Tolerance of |q|^2 - 1 of quaternions in a scene. In a sample it is twice as much. The length differs by
+/// half of it.
+inline constexpr Real quaternion_tolerance = 1e-6;
+/// Tolerance of the geometry of a scene: distance of a joint frame from a rotation, asymmetric share of an
+/// inertia. Also height of a degenerate triangle per longest edge, and length of normals that cancel. Also
+/// difference of depths at an edge of two faces, per radius of a node.
+inline constexpr Real input_tolerance = 1e-9;
+/// Share of a sum up to which it is rounding: 1 + z . u of opposite axes, distance from a triangle per its
+/// size, V^T A V of the deformation of a net (45).
+inline constexpr Real rounding_share = 1e-12;
 /// Lower bound of the square of a body's anisotropy, as a share of I_max / I_min.
 inline constexpr Real anisotropy_share = 0.999;
-/// Two axes count as opposite if 1 + z . u is less.
-inline constexpr Real opposite_axes = 1e-12;
 /// Length below which a vector has no direction, m, because its square leaves the range of normal numbers.
 inline constexpr Real min_length = 1e-150;
-/// Share of a triangle's size: nearer to it, the direction from its nearest point is rounding error.
-inline constexpr Real touching_triangle = 1e-12;
-/// Triangles with less height than this share of the longest edge count as degenerate. Sums of unit normals
-/// shorter than the second cancel each other.
-inline constexpr Real degenerate_height = 1e-9, cancelled_normals = 1e-9;
 /// Squared radius of the sphere round a cell, in edges of the cell: (sqrt(3) / 2)^2, plus rounding.
 inline constexpr Real cell_radius_sq = 0.75001;
 

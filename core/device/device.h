@@ -114,13 +114,13 @@ inline Target extrapolated_target(const Target& x, Real dt) noexcept {
   }
   if (x.held > 0 && longer_than(x.held, par.lost)) {
     gap.reengages = gap.long_gap = gap.back = true;
-    gap.recovery = std::max(par.rise, quiet_after_gap) + growth_after_gap;
+    gap.recovery = std::max(par.rise, after_gap) + after_gap;
   } else if (x.held > 0 && x.recovery == 0) {
     gap.recovery = recovery_per_gap * x.held;
     gap.back = true;
   }
   if (gap.recovery == 0) return gap;
-  const Real grown = gap.long_gap ? std::max(1 - gap.recovery / growth_after_gap, Real(0)) : 0;
+  const Real grown = gap.long_gap ? std::max(1 - gap.recovery / after_gap, Real(0)) : 0;
   gap.showing = Showing::capped;
   gap.growth = grown * grown;
   return gap;

@@ -99,7 +99,7 @@ Vector3<T> to_world(const Quaternion<T>& q, const Vector3<T>& a) noexcept {
 inline Quat turn_from_z(const Vec3& axis) noexcept {
   // q = (c/2, z x u / c),  c = sqrt(2 (1 + z.u)) = 2 cos(alpha/2)
   const Vec3 u = axis.normalized();
-  if (u.z() < opposite_axes - 1) return {0, 1, 0, 0};
+  if (u.z() < rounding_share - 1) return {0, 1, 0, 0};
   const Real c = std::sqrt(2 * (1 + u.z())), inv_c = 1 / c;
   return {c / 2, -u.y() * inv_c, u.x() * inv_c, 0};
 }

@@ -73,7 +73,7 @@ inline TrianglePoint nearest_on_triangle(const Corners& t, const Vec3& n, const 
 /// True if p is so near to the triangle that the direction from its nearest point is rounding error.
 inline bool is_touching(const Corners& t, const Vec3& p, Real distance) noexcept {
   const Real size = max_component(p.cwiseAbs()) + max_component((t[1] - t[0]).cwiseAbs());
-  return !(distance > touching_triangle * size);
+  return !(distance > rounding_share * size);
 }
 
 }  // namespace godobject

@@ -206,7 +206,7 @@ void keep_balance(const CoupledSystem<OfBodies, Stage>& system, Vectors& x) noex
   });
   // s - 1 = (V^T r - (A V)^T delta) / (V^T A V - (A V)^T c_1),  c = delta - (s - 1) c_1
   const Real V_A_V = V_b - V_r, deforming = V_A_V - along_c_1;
-  const Real s_1 = deforming > least_deforming * V_A_V ? (V_r - along_delta) / deforming : 0;
+  const Real s_1 = deforming > rounding_share * V_A_V ? (V_r - along_delta) / deforming : 0;
   system.each([&](auto u) noexcept { x.V[u] = x.V[u] * (1 + s_1); });
   system.bodies.each([&](std::uint32_t u) noexcept {
     x.V[u] = x.V[u] + delta[u] - c_1[u] * s_1;

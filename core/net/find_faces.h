@@ -263,8 +263,8 @@ class FaceFinder {
   template <class Iterator>
   const Candidate& first_of_ties(Iterator one, Iterator end, std::uint32_t n) const noexcept {
     Iterator best = one;
-    for (Iterator other = one + 1; other != end && one->d - other->d <= face_tie * net_.nodes[n].radius;
-         ++other)
+    for (Iterator other = one + 1;
+         other != end && one->d - other->d <= input_tolerance * net_.nodes[n].radius; ++other)
       if (other->patch == one->patch && other->n_W.dot(one->n_W) >= same_contact &&
           net_.faces.list[other->face].nodes < net_.faces.list[best->face].nodes)
         best = other;

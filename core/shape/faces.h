@@ -67,7 +67,7 @@ bool is_touched_itself(const Corners& t, const Vec3& n, const TrianglePoint& nea
     const Vec3 n_beyond = neighbour_normal(k);
     if (-n_beyond.dot(outward) > least_face_turn) return false;
     const Vec3 into = along.cross(n_beyond);
-    return into.dot(up) > touching_triangle * (max_component(p.cwiseAbs()) + up.norm());
+    return into.dot(up) > rounding_share * (max_component(p.cwiseAbs()) + up.norm());
   };
   switch (nearest.feature) {
     case TriangleFeature::face: return true;
@@ -112,7 +112,7 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
   const Vec3 q = p - first_seen.distance * first_seen.n;
   const TouchedFace first{.distance = first_seen.distance, .n = first_seen.n, .q = q, .corners = {q, q, q}};
   bool is_edge = false;
-  const Real rounding = touching_triangle * max_component(p.cwiseAbs());
+  const Real rounding = rounding_share * max_component(p.cwiseAbs());
   Shape::each_triangle(par, p, reach, [&](const Corners& t, const Vec3& n, auto neighbour_normal) noexcept {
     const Real height = n.dot(p - t[0]);
     if (!(height < reach) || (height > 0 && !rises_above(t, first))) return;
@@ -126,7 +126,7 @@ void find_faces(const ShapeParams& par, const Vec3& p, Real radius, const Surfac
           .distance = distance, .n = in_face ? n : Vec3((p - at.p) / distance), .q = at.p, .corners = t};
       if (!is_beside(face, first)) return;
       faces.is_full |= TouchedFaces::insert(face, others, num_others) < radius;
-    } else if ((at.p - nearest).norm() <= rounding - touching_triangle * height) {
+    } else if ((at.p - nearest).norm() <= rounding - rounding_share * height) {
       // p is behind a face that meets the nearest point
       is_edge = is_edge || (is_other_normal(n, first.n) && came_by(n));
       const TouchedFace face{.distance = height, .n = n, .q = at.p, .corners = t};

@@ -50,7 +50,7 @@ inline MeshReport check_triangles(const TriangleMesh& mesh) noexcept {
     const Corners c = mesh.corners(t);
     const Vec3 a = c[1] - c[0], b = c[2] - c[0];
     const Real longest_sq = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
-    if (!(a.cross(b).norm() > degenerate_height * longest_sq)) return {MeshInvalid::degenerate_triangle, t};
+    if (!(a.cross(b).norm() > input_tolerance * longest_sq)) return {MeshInvalid::degenerate_triangle, t};
   }
   return {};
 }
@@ -58,7 +58,7 @@ inline MeshReport check_triangles(const TriangleMesh& mesh) noexcept {
 /// Normalises a sum of unit normals. Returns false if they cancel.
 inline bool normalise(Vec3& n) noexcept {
   const Real length = n.norm();
-  if (!(length > cancelled_normals)) return false;
+  if (!(length > input_tolerance)) return false;
   n /= length;
   return true;
 }

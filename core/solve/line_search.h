@@ -66,7 +66,7 @@ Real exact_line_search(Real t_max, Real tolerance, Slope slope_at) noexcept {
     } else {
       hi = t;
     }
-    t -= (at.slope + line_aim * tolerance) / at.curvature;
+    t -= (at.slope + Real(0.5) * tolerance) / at.curvature;
     if (!(t > lo && t < hi)) t = lo + (hi - lo) / 2;
   }
   return lo;

@@ -212,7 +212,7 @@ BoxesAre each_crossing(const PlacedShape& a, const PlacedShape& b, bool may_be_s
   const LeastFace face = least_face(w);
   if (face.depth <= -reach) return BoxesAre::in_touch;
   if (may_be_sunk && face.depth > too_deep && deeper_along_edges(w, too_deep)) return BoxesAre::sunk;
-  const Real most = (1 + deeper_than_faces) * std::max(face.depth, Real(0)) + deeper_than_reach * reach;
+  const Real most = (1 + deeper_edges) * std::max(face.depth, Real(0)) + deeper_edges * reach;
   for (int i = 0; i < 3; ++i)
     each_crossing_along(
         w, i, reach, most, face.n_A,
