@@ -79,7 +79,7 @@ class EnergyBalance {
     energy_ = T + U;
     if (std::isfinite(W)) work_ += W;  // keeps the reference finite after a step out of all bounds
     watch_.observe(energy_ - work_, T, std::abs(W) + std::abs(by_gravity),
-                   floor + gain_rounding * std::abs(energy_), par.h);
+                   floor + rounding_share * std::abs(energy_), par.h);
   }
 
   Real energy() const noexcept { return energy_; }           // E, J

@@ -174,7 +174,7 @@ Validity validate(const Params<S>& par) noexcept {
     if (!((I - I.transpose()).norm() <= input_tolerance * I.norm() && principal_moments(I).x() > 0))
       return {Invalid::inertia_not_positive, i};
     const Vec3 moments = principal_moments(I);
-    if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= anisotropy_share * moments.z()))
+    if (!(b.body.anisotropy * b.body.anisotropy * moments.x() >= (1 - rounding_tolerance) * moments.z()))
       return {Invalid::anisotropy_too_small, i};
     if (!is_valid(b.coupling) || !is_valid(b.feedback) || !is_valid(b.device))
       return {Invalid::gain_negative, i};

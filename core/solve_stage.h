@@ -157,8 +157,7 @@ template <Scene S, class TargetOfGroup>
     resolve<Solve::first>(par, x, h, target_of, w);
     return {.h = h};
   }
-  if (iterations <= max_joint_iterations)
-    return {.acceleration_valid = iterations <= max_iterations_with_acceleration, .h = h};
+  if (iterations <= max_joint_iterations) return {.acceleration_valid = iterations == 1, .h = h};
   if (!may_subdivide) return {.solved = false, .acceleration_valid = false, .h = h};
   return {.acceleration_valid = false, .h = solve_substeps(par, x, h, target_of, w)};
 }

@@ -53,8 +53,6 @@ inline constexpr int max_joint_iterations = 8, substep_ratio = 4, max_substeps =
 inline constexpr int max_substeps_with_nets = 64;
 /// Largest rotation in an iteration, rad.
 inline constexpr Real max_iterated_turn = 3;
-/// Iterations of a stage above which TR-BDF2 discards its acceleration.
-inline constexpr int max_iterations_with_acceleration = 1;
 /// Joint violation at the start of a step above which its stages are solved once, without iterations. In rad
 /// for rotations, as a share of the lever for translations.
 inline constexpr Real max_apart = 1e-4;
@@ -99,8 +97,8 @@ inline constexpr Real min_edge_sine = 0.01;
 /// Share of the half thickness of the thinner shape: radius of the ball in the corner of a box. It selects
 /// the face that the corner meets. bodies/test_shapes_meet.cc.
 inline constexpr Real corner_ball = 0.1;
-/// Relative tolerance of the radius of a sphere that rounds a corner or an end. Numbers in a file are
-/// rounded.
+/// Relative tolerance of the radius of a sphere that rounds a corner or an end, and of a body's anisotropy
+/// squared, I_max / I_min. Numbers in a file are rounded.
 inline constexpr Real rounding_tolerance = 1e-3;
 
 /// Smallest angle between the normals of two contacts of a sphere with a mesh or height field, rad. One
@@ -150,10 +148,10 @@ inline constexpr std::size_t max_wound_axes = 4;
 
 // Newton's method over the modes of contacts (29).
 
-/// Limits of iterations. With fewer, some piles gain energy. Bodies on joints need twice as many, because
+/// Limit of iterations. With fewer, some piles gain energy. Bodies on joints have twice as many, because
 /// joint corrections (18) press stiff contacts together. bodies/test_stability.cc,
 /// bodies/test_joint_stability.cc; docs/decisions/022 and 023.
-inline constexpr int max_newton_iterations = 16, max_newton_iterations_on_joints = 32;
+inline constexpr int max_newton_iterations = 16;
 /// Share of an island's largest normal force: residuals above it are reported as Limited::contact_residual.
 /// Ten times the residual of a converged iteration, without a sweep.
 /// tests/core/contact/bodies/test_solver_limits.cc.
@@ -172,11 +170,10 @@ inline constexpr Real max_scale = 2;
 struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
-  static constexpr Real min_friction_change = 0;
   // no wider: position errors of the reference scene `press` increase above this tolerance
   // (tests/core/contact/test_reference.cc)
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }
-  static constexpr Real normal_tolerance(int) noexcept { return 1e-6; }
+  static constexpr Real normal_tolerance(int iteration) noexcept { return friction_tolerance(iteration); }
 };
 /// Search for friction among bodies, without tangents.
 struct FrictionAmongBodies {
@@ -260,8 +257,8 @@ inline constexpr Real recovery_per_gap = 30;
 /// Allowed gain within the window, as a share of the energy at work. Smaller gains are errors of second
 /// order.
 inline constexpr Real gain_allowed = 0.01;
-/// Smaller gains are ignored: J, below perception of a hand; share of E, rounding.
-inline constexpr Real gain_floor = 1e-12, gain_rounding = 1e-12;
+/// Smaller gains are ignored, J: below perception of a hand.
+inline constexpr Real gain_floor = 1e-12;
 /// Multiple of the available energy (58). A step that ends with more kinetic energy is a failed solve. Work
 /// within its bounds reaches 2; errors of any order stay far below the rest. tests/core/test_energy_rise.cc.
 inline constexpr Real max_rise = 10;
@@ -285,10 +282,8 @@ inline constexpr Real quaternion_tolerance = 1e-6;
 /// difference of depths at an edge of two faces, per radius of a node.
 inline constexpr Real input_tolerance = 1e-9;
 /// Share of a sum up to which it is rounding: 1 + z . u of opposite axes, distance from a triangle per its
-/// size, V^T A V of the deformation of a net (45).
+/// size, V^T A V of the deformation of a net (45), E (38).
 inline constexpr Real rounding_share = 1e-12;
-/// Lower bound of the square of a body's anisotropy, as a share of I_max / I_min.
-inline constexpr Real anisotropy_share = 0.999;
 /// Length below which a vector has no direction, m, because its square leaves the range of normal numbers.
 inline constexpr Real min_length = 1e-150;
 /// Squared radius of the sphere round a cell, in edges of the cell: (sqrt(3) / 2)^2, plus rounding.

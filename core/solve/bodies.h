@@ -104,7 +104,8 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
 template <class FrictionSearch, class Contacts, std::size_t N>
 bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& island,
                           BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
-  const Real F_small = FrictionSearch::min_friction_change * most.F_n();
+  Real F_small = 0;
+  if constexpr (!FrictionSearch::tangents) F_small = FrictionSearch::min_friction_change * most.F_n();
   most = {};
   const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;
@@ -167,7 +168,7 @@ GODOBJECT_FLATTEN void solve_island(Real h, const Island& island, const SolverLi
   ContactResidual most;
   each_pack(x.V_0, island, w,
             [](ContactPack& c, const auto& V) noexcept { predict<FrictionSearch::tangents>(c, V); });
-  constexpr int iteration_limit = Contacts::jointed ? max_newton_iterations_on_joints : max_newton_iterations;
+  constexpr int iteration_limit = (Contacts::jointed ? 2 : 1) * max_newton_iterations;
   Real left = 0;
   int newton_iterations = 0, iterations = 0;
   bool done = false;

@@ -111,7 +111,7 @@ Real gravity_of(const Running<S>& run, const std::vector<Vec3>& places) {
 /// pushed out (35).
 template <Scene S>
 Real ignored_gain(const Running<S>& run, Real energy) {
-  Real floor = gain_floor + gain_rounding * std::abs(energy);
+  Real floor = gain_floor + rounding_share * std::abs(energy);
   if constexpr (uses<ContactsOf<S>>) {
     Real m = 0;
     for (std::size_t i = 0; i < num_bodies(run.par); ++i) m = std::max(m, run.par.bodies[i].body.m);
