@@ -31,13 +31,6 @@ bool joints_hold(const Params<S>& par, Real h, const VelocityOfGroup& from, cons
 /// between active and inactive.
 inline constexpr int stop_is_active = -1;
 
-/// Re-solves the stage from the same base state, with the contact memory of before the first solve.
-template <Solve which, Scene S, class TargetOfGroup>
-void resolve(const Params<S>& par, const State<S>& x, Real h, const TargetOfGroup& target_of,
-             Scratch<S>& w) noexcept {
-  solve_once<which>(par, x, h, target_of, w);
-}
-
 /// Iterates the solution over h until the joints hold (39). Returns the number of iterations, more than
 /// max_joint_iterations if they do not hold.
 template <Scene S, class TargetOfGroup>
@@ -45,7 +38,7 @@ int iterate_joints(const Params<S>& par, const State<S>& x, Real h, const Target
                    Scratch<S>& w) noexcept {
   for (int k = 1; k <= max_joint_iterations; ++k) {
     w.iteration.linearised = w.velocities;
-    resolve<Solve::again>(par, x, h, target_of, w);
+    solve_once<Solve::again>(par, x, h, target_of, w);
     if (w.tree.stop_acts) return stop_is_active;
     const auto from = [&w](std::size_t g) -> const auto& { return w.iteration.linearised[g].w_B; };
     if (joints_hold(par, h, from, w)) return k;
@@ -127,7 +120,7 @@ Real solve_substeps(const Params<S>& par, const State<S>& x, Real h, const Targe
       else solve_once<Solve::first_of_substep>(par, x, t, target_of, w);
       if (joints_hold(par, t, base, w) || w.tree.stop_acts) continue;
       const int iterations = iterate_joints(par, x, t, target_of, w);
-      if (iterations == stop_is_active) resolve<Solve::first_of_substep>(par, x, t, target_of, w);
+      if (iterations == stop_is_active) solve_once<Solve::first_of_substep>(par, x, t, target_of, w);
       hold = iterations <= max_joint_iterations;
     }
     if (hold || is_last) return t;
@@ -154,7 +147,7 @@ template <Scene S, class TargetOfGroup>
   if (w.tree.stop_acts || !joints_hold_at_start(par, x)) return {.h = h};
   const int iterations = iterate_joints(par, x, h, target_of, w);
   if (iterations == stop_is_active) {
-    resolve<Solve::first>(par, x, h, target_of, w);
+    solve_once(par, x, h, target_of, w);
     return {.h = h};
   }
   if (iterations <= max_joint_iterations) return {.acceleration_valid = iterations == 1, .h = h};
@@ -192,7 +185,7 @@ StageEnd solve_stage(const Params<S>& par, const State<S>& x, Real h, [[maybe_un
     // second-order stages have no straight path along which contacts could be searched
     if (w.contacts.finder.may_leave_search && ends_outside_search(par, h, !may_subdivide, w)) [[unlikely]] {
       if (!may_subdivide) return {.solved = false, .acceleration_valid = false, .h = h};
-      resolve<Solve::again>(par, x, h, target_of, w);
+      solve_once<Solve::again>(par, x, h, target_of, w);
     }
   }
   if constexpr (iterates_joints<S>) {
