@@ -109,13 +109,15 @@ def result_of(program, setting, name, stamp, arguments):
         return kept
     path = OUT / "results" / f"{file_name(name)}.{program}.json"
     environment = dict(os.environ, GODOBJECT_ABLATION=setting)
-    environment["GODOBJECT_SHARE"] = str(arguments.share or (8 if arguments.quick else 1))
+    share = arguments.share or (8 if arguments.quick else 1)
+    environment["GODOBJECT_SHARE"] = str(share)
     environment["GTEST_FILTER"] = arguments.filter
     if program == "map":
         cases, digest = run_map(environment, arguments.timeout, arguments.samples)
     else:
         cases, digest = run_tests(program, environment, arguments.timeout), ""
-    result = {"stamp": stamp, "setting": setting, "cases": cases, "digest": digest}
+    selection = f"{arguments.samples} drawn" if program == "map" else f"`{arguments.filter}`, every case in {share}"
+    result = {"stamp": stamp, "setting": setting, "selection": selection, "cases": cases, "digest": digest}
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(".part")
     partial.write_text(json.dumps(result))
@@ -174,7 +176,7 @@ def write_table(path, numbers, quick):
             rows.append(f"| {name} | {reached(name)} | {text} | {cost} |")
         else:
             (unmissed if results else not_run).append(f"{name} ({', '.join(results)})" if results else name)
-    of = ", ".join(f"{program} {sum(base['cases'].values())}" for program, base in bases.items())
+    of = "; ".join(f"{program} {sum(base['cases'].values())} ({base['selection']})" for program, base in bases.items())
     lines = ["# What fails without each mechanism", "",
              "Written by `./dev ablate --report` from `build/ablation/results`. A row is core with one change. It counts "
              f"the cases that are sound in core and fail with the change, of: {of}.", "",
