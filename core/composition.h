@@ -26,7 +26,6 @@ struct None {
   using Input = Empty;
   using Output = Empty;
   using BodyOutput = Empty;
-  static constexpr std::size_t max = 0;  // largest number of nodes
   static constexpr std::size_t max_contacts = 0;
   static constexpr bool between_bodies = false;
 };
@@ -61,10 +60,6 @@ using NamedContacts = typename S::Contacts;
 template <class S>
 using ContactsOf = typename ListedPart<S, NamedContacts>::type;
 template <class S>
-using NamedNodes = typename S::Nodes;
-template <class S>
-using NodesOf = typename ListedPart<S, NamedNodes>::type;
-template <class S>
 using NamedTerms = typename S::Terms;
 template <class S>
 using TermsOf = typename ListedPart<S, NamedTerms>::type;
@@ -72,8 +67,5 @@ template <class S>
 using NamedNet = typename S::Net;
 template <class S>
 using NetOf = typename ListedPart<S, NamedNet>::type;
-
-template <class S>
-inline constexpr std::size_t max_nodes = NodesOf<S>::max;
 
 }  // namespace godobject

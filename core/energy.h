@@ -20,7 +20,6 @@ struct MotionsOfState {
   const State<S>& x;
 
   const RigidBodyState& body(std::size_t i) const noexcept { return x.bodies[i].x; }
-  const Vec3& node(std::size_t j) const noexcept { return x.nodes[j].v_W; }
   const Vec3& net_node(std::size_t n) const noexcept { return x.net.nodes[n].v_W; }
 };
 
@@ -29,9 +28,6 @@ template <Scene S, class Motions>
 Real kinetic_energy_of(const Params<S>& par, const Motions& motions) noexcept {
   Real T = 0;
   for (std::size_t i = 0; i < num_bodies(par); ++i) T += kinetic_energy(par.bodies[i].body, motions.body(i));
-  if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j)
-      T += Real(0.5) * par.nodes.list[j].m * motions.node(j).squaredNorm();
   if constexpr (uses<NetOf<S>>) {
     Real of_nets = 0;
     for (std::size_t n = 0; n < num_net_nodes(par); ++n)
@@ -49,8 +45,6 @@ struct TermPlaces {
   /// Returns the position of the point p of u, m.
   Vec3 point(std::uint32_t u, const Vec3& p) const noexcept {
     if (u == TermEnds::on_world) return p;
-    if constexpr (uses<NodesOf<S>>)
-      if (u >= S::max_bodies) return x.nodes[u - S::max_bodies].p_W;
     const Pose& X = x.bodies[u].x.X_WB;
     return X.p + to_world(X.q, p);
   }

@@ -152,8 +152,6 @@ class EnergyBalance {
   static Real gravity_energy(const Params<S>& par, const State<S>& x) noexcept {
     Vec3 mp_W = Vec3::Zero();
     for (std::size_t i = 0; i < num_bodies(par); ++i) mp_W += par.bodies[i].body.m * x.bodies[i].x.X_WB.p;
-    if constexpr (uses<NodesOf<S>>)
-      for (std::size_t j = 0; j < num_nodes(par); ++j) mp_W += par.nodes.list[j].m * x.nodes[j].p_W;
     if constexpr (uses<NetOf<S>>) mp_W += net_mass_moment(par, x);
     return -par.gravity_W.dot(mp_W);
   }
@@ -252,8 +250,6 @@ class EnergyBalance {
   static Springs contact_springs(const Params<S>& par, const State<S>& x, const Scratch<S>& w) noexcept {
     Springs sum;
     const auto mass = [&](std::uint32_t i) noexcept -> Real {
-      if constexpr (uses<NodesOf<S>>)
-        if (i >= S::max_bodies && i < end_of_numbers(par)) return par.nodes.list[i - S::max_bodies].m;
       return i < num_bodies(par) ? par.bodies[i].body.m : std::numeric_limits<Real>::infinity();
     };
     const auto add = [&](const auto& memories, const auto& near, auto law_of, auto mass_of) noexcept {

@@ -19,8 +19,6 @@ class Whole {
   Whole(const Params<S>& par, const State<S>& x) noexcept {
     const auto each = [&](auto f) noexcept {
       for (std::size_t i = 0; i < num_bodies(par); ++i) f(par.bodies[i].body.m, x.bodies[i].x.X_WB.p);
-      if constexpr (uses<NodesOf<S>>)
-        for (std::size_t j = 0; j < num_nodes(par); ++j) f(par.nodes.list[j].m, x.nodes[j].p_W);
       if constexpr (uses<NetOf<S>>)
         for (std::size_t n = 0; n < num_net_nodes(par); ++n) f(par.net.nodes[n].m, x.net.nodes[n].p_W);
     };
@@ -50,7 +48,6 @@ struct NextMotions {
   const Scratch<S>& w;
 
   RigidBodyState body(std::size_t i) const noexcept { return lane(w.next[i / lanes<S>].x, i % lanes<S>); }
-  const Vec3& node(std::size_t j) const noexcept { return w.nodes.next[j].v_W; }
   const Vec3& net_node(std::size_t n) const noexcept { return w.net.next[n].v_W; }
 };
 
@@ -129,9 +126,6 @@ Real work_of_constant_forces([[maybe_unused]] const Params<S>& par,
           const RigidBodyParams& body = par.bodies[force.at.on].body;
           per_mass = 1 / body.m + force.at.p.squaredNorm() / least_inertia(body);
         }
-        if constexpr (uses<NodesOf<S>>)
-          if (force.at.on >= S::max_bodies && force.at.on < end_of_numbers(par))
-            per_mass = 1 / par.nodes.list[force.at.on - S::max_bodies].m;
         W += Real(0.5) * par.h * par.h * per_mass * force.F_W.squaredNorm() -
              kind.energy(force, TermPlaces<S>{x});
       }

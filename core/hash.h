@@ -100,8 +100,6 @@ std::uint64_t state_hash(const Params<S>& par, const State<S>& x) noexcept {
   hash.add(x.contacts);
   if constexpr (uses<TermsOf<S>>)
     for (std::size_t t = 0; t < par.terms.size(); ++t) hash.add(x.terms.list[t]);
-  if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j) hash.add(x.nodes[j]);
   if constexpr (uses<NetOf<S>>) {
     for (std::size_t n = 0; n < num_net_nodes(par); ++n) hash.add(x.net.nodes[n]);
     hash.add(x.net.contacts);

@@ -1,5 +1,4 @@
-// Stage operations of nodes for the integrators: nodes of a scene and of its nets. Scenes without nodes
-// compile none of it.
+// Stage operations of the nodes of nets for the integrators. Scenes without nets compile none of it.
 #pragma once
 
 #include "core/stage.h"
@@ -13,9 +12,6 @@ inline constexpr bool keeps_accelerations = !std::is_empty_v<typename S::Integra
 /// Calls f(state, base, velocity of the last stage, next state) for all nodes.
 template <Scene S, class F>
 void each_node(const Params<S>& par, const State<S>& x, Scratch<S>& w, F f) noexcept {
-  if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j)
-      f(x.nodes[j], w.nodes.bases[j], w.nodes.velocities[j], w.nodes.next[j]);
   if constexpr (uses<NetOf<S>>)
     for (std::size_t n = 0; n < num_net_nodes(par); ++n)
       f(x.net.nodes[n], w.net.bases[n], w.contacts.x.V.nodes[n].vec(), w.net.next[n]);

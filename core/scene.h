@@ -8,7 +8,6 @@
 //     using Coupling = DampedSpring;     // or None
 //     using Feedback = LimitedFeedback;  // or None: not haptic
 //     using Contacts = FixedContacts<10, 1, 20>;  // or BodyContacts; optional, default: no contacts
-//     using Nodes = NodeList<25>;                 // particles; optional
 //     using Terms = TermList<DampedSprings<40>>;  // other forces; optional
 //     using Net = MassSpringNet<1000, 3000, 300>;  // deformable bodies; needs BodyContacts; optional
 //   };
@@ -29,13 +28,6 @@
 #include "core/net/net.h"
 
 namespace godobject {
-
-/// Returns the number of node j among all that contacts and terms act on. Nodes are numbered after the
-/// capacity for bodies.
-template <class S>
-constexpr std::uint32_t node_number(std::size_t j) noexcept {
-  return static_cast<std::uint32_t>(S::max_bodies + j);
-}
 
 template <class P> concept Part = requires {
   typename P::Params;
@@ -77,11 +69,6 @@ template <class S> concept ContactsAreFixedOrBodyContacts = !uses<ContactsOf<S>>
   ContactsOf<S>::between_bodies;
 };
 template <class S>
-concept NodesAreANodeList = !uses<NodesOf<S>> || requires(typename NodesOf<S>::Params par) {
-  NodesOf<S>::max;
-  par.list;
-};
-template <class S>
 concept TermsAreATermList = !uses<TermsOf<S>> || requires(typename TermsOf<S>::Params par) {
   TermsOf<S>::max_terms;
   par.of_kinds;
@@ -109,15 +96,6 @@ concept ContactsAreNotMisspelt = GODOBJECT_NO_MEMBER(ontacts) && GODOBJECT_NO_ME
     GODOBJECT_NO_MEMBER(Collisions) && GODOBJECT_NO_MEMBER(ContactList) &&
     GODOBJECT_NO_MEMBER(FixedContact) && GODOBJECT_NO_MEMBER(BodyContact);
 template <class S>
-concept NodesAreNotMisspelt = GODOBJECT_NO_MEMBER(odes) && GODOBJECT_NO_MEMBER(Ndes) &&
-    GODOBJECT_NO_MEMBER(Noes) && GODOBJECT_NO_MEMBER(Nods) && GODOBJECT_NO_MEMBER(Node) &&
-    GODOBJECT_NO_MEMBER(NNodes) && GODOBJECT_NO_MEMBER(Noodes) && GODOBJECT_NO_MEMBER(Noddes) &&
-    GODOBJECT_NO_MEMBER(Nodees) && GODOBJECT_NO_MEMBER(Nodess) && GODOBJECT_NO_MEMBER(oNdes) &&
-    GODOBJECT_NO_MEMBER(Ndoes) && GODOBJECT_NO_MEMBER(Noeds) && GODOBJECT_NO_MEMBER(Nodse) &&
-    GODOBJECT_NO_MEMBER(nodes) && GODOBJECT_NO_MEMBER(NODES) && GODOBJECT_NO_MEMBER(Nodes_) &&
-    GODOBJECT_NO_MEMBER(node) && GODOBJECT_NO_MEMBER(Particle) && GODOBJECT_NO_MEMBER(Particles) &&
-    GODOBJECT_NO_MEMBER(NodesList);
-template <class S>
 concept TermsAreNotMisspelt = GODOBJECT_NO_MEMBER(erms) && GODOBJECT_NO_MEMBER(Trms) &&
     GODOBJECT_NO_MEMBER(Tems) && GODOBJECT_NO_MEMBER(Ters) && GODOBJECT_NO_MEMBER(Term) &&
     GODOBJECT_NO_MEMBER(TTerms) && GODOBJECT_NO_MEMBER(Teerms) && GODOBJECT_NO_MEMBER(Terrms) &&
@@ -134,8 +112,7 @@ concept NetIsNotMisspelt = GODOBJECT_NO_MEMBER(et) && GODOBJECT_NO_MEMBER(Nt) &&
 #undef GODOBJECT_NO_MEMBER
 template <class S>
 concept PrescribedJointsNeedDevice = std::is_empty_v<typename S::Joints::Input> || uses<typename S::Device>;
-template <class S>
-concept NodesAndTermsNeedContacts = uses<ContactsOf<S>> ||(!uses<NodesOf<S>> && !uses<TermsOf<S>>);
+template <class S> concept TermsNeedContacts = uses<ContactsOf<S>> || !uses<TermsOf<S>>;
 template <class S>
 concept CoordinateTermsNeedStops = !uses<TermsOf<S>> || !TermsOf<S>::on_coordinates || requires {
   requires uses<typename S::Joints::Stops>;
@@ -147,13 +124,12 @@ template <class S>
 concept PartsAreParts = DeviceIsAPart<S> && DeviceGivesCouplingInputs<S> && JointsAreAPart<S> &&
     JointsAreTreeJoints<S> && CouplingIsAPart<S> && CouplingIsASpring<S> && FeedbackIsAPart<S> &&
     FeedbackIsLimited<S> && ContactsAreAPart<S> && ContactsAreFixedOrBodyContacts<S> &&
-    NodesAreANodeList<S> && TermsAreATermList<S> && NetIsAMassSpringNet<S>;
+    TermsAreATermList<S> && NetIsAMassSpringNet<S>;
 template <class S>
-concept NamesAreKnown =
-    ContactsAreNotMisspelt<S> && NodesAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
+concept NamesAreKnown = ContactsAreNotMisspelt<S> && TermsAreNotMisspelt<S> && NetIsNotMisspelt<S>;
 template <class S>
 concept Scene = HasBodies<S> && HasIntegrator<S> && NamesAreKnown<S> && PartsAreParts<S> &&
-    PrescribedJointsNeedDevice<S> && NodesAndTermsNeedContacts<S> && CoordinateTermsNeedStops<S> &&
+    PrescribedJointsNeedDevice<S> && TermsNeedContacts<S> && CoordinateTermsNeedStops<S> &&
     NetNeedsBodyContacts<S> && CouplingNeedsDevice<S> && FeedbackNeedsCoupling<S>;
 
 /// Parameters of a body, constant during a run.
@@ -173,7 +149,6 @@ struct Params {
   Vec3 gravity_W = Vec3::Zero();  // m/s^2
   std::array<BodyParams<S>, S::max_bodies> bodies;
   [[no_unique_address]] Slot<typename ContactsOf<S>::Params, 10> contacts;
-  [[no_unique_address]] Slot<typename NodesOf<S>::Params, 18> nodes;
   [[no_unique_address]] Slot<typename TermsOf<S>::Params, 19> terms;
   [[no_unique_address]] Slot<typename NetOf<S>::Params, 21> net;
 };
@@ -188,17 +163,6 @@ template <class S>
 constexpr std::size_t num_net_nodes(const Params<S>& par) noexcept {
   if constexpr (uses<NetOf<S>>) return par.net.num_nodes;
   return 0;
-}
-template <class S>
-constexpr std::size_t num_nodes(const Params<S>& par) noexcept {
-  if constexpr (uses<NodesOf<S>>) return par.nodes.size;
-  return 0;
-}
-/// Returns the bound of the numbers of bodies and nodes.
-template <class S>
-constexpr std::size_t end_of_numbers(const Params<S>& par) noexcept {
-  if constexpr (uses<NodesOf<S>>) return S::max_bodies + par.nodes.size;
-  return num_bodies(par);
 }
 
 /// True if a step has several stages, each with contacts carried over from the previous one.
@@ -230,8 +194,6 @@ struct BodyState {
 
 template <class S>
 using NodeState = NodeStateOf<Slot<typename S::Integrator::NodeMemory, 0>>;
-template <class S>
-using NodeStates = std::conditional_t<uses<NodesOf<S>>, std::array<NodeState<S>, max_nodes<S>>, Absent<18>>;
 
 /// State of nets: nodes, and the memory of their contacts.
 template <class S>
@@ -248,7 +210,6 @@ struct State {
   std::uint64_t tick = 0;  // steps taken
   [[no_unique_address]] Slot<typename TermsOf<S>::State, 19> terms;
   [[no_unique_address]] Slot<typename ContactsOf<S>::State, 10> contacts;
-  [[no_unique_address]] NodeStates<S> nodes;
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetState<S>, Absent<21>> net;
   [[no_unique_address]] std::conditional_t<has_stages<S>, ContactForces<ContactsOf<S>::max_contacts>,
                                            Absent<27>>

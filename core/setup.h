@@ -116,24 +116,13 @@ Validity validate_contacts(const ContactParams<max_spheres, max_surfaces>& par, 
   return Invalid::nothing;
 }
 
-template <class Nodes>
-bool is_valid(const Nodes& par) noexcept requires requires {
-  par.list[0].m;
-}
-{
-  bool valid = par.size <= par.list.size();
-  for (std::size_t j = 0; valid && j < par.size; ++j) valid = par.list[j].m > 0 && is_gain(par.list[j].m);
-  return valid;
-}
-/// Bodies, nodes and joints of a scene, for the validation of its terms.
+/// Bodies and joints of a scene, for the validation of its terms.
 template <Scene S>
 struct TermValidation {
   const Params<S>& par;
 
-  /// True if i is the number of a body or node.
-  bool exists(std::size_t i) const noexcept {
-    return i < par.num_bodies || (i >= S::max_bodies && i < S::max_bodies + num_nodes(par));
-  }
+  /// True if i is the number of a body.
+  bool exists(std::size_t i) const noexcept { return i < par.num_bodies; }
   /// True if body i has a joint with a coordinate c.
   bool has_coordinate(std::size_t i, int c) const noexcept {
     bool has = false;
@@ -186,8 +175,6 @@ Validity validate(const Params<S>& par) noexcept {
   if constexpr (uses<ContactsOf<S>>) {
     const TermValidation<S> scene{par};
     const auto exists = [&](std::size_t i) noexcept { return scene.exists(i); };
-    if constexpr (uses<NodesOf<S>>)
-      if (!is_valid(par.nodes)) return Invalid::node;
     if constexpr (uses<NetOf<S>>) {
       if (!is_valid_net(par.net, par.num_bodies)) return Invalid::net;
       if (!are_valid_attachments(par.net, par.num_bodies)) return Invalid::net_attachment;

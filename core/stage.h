@@ -83,25 +83,6 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
   }
 }
 
-/// Sets up the nodes without contacts: predicted places, stage systems, velocities.
-template <Scene S>
-void load_nodes(const Params<S>& par, Real h, Scratch<S>& w) noexcept {
-  auto& contacts = w.contacts;
-  for (std::size_t j = 0; j < num_nodes(par); ++j) {
-    const std::uint32_t u = node_number<S>(j);
-    const NodeMotion& base = w.nodes.bases[j];
-    const Real m = par.nodes.list[j].m;
-    const Vec3 v_W = base.v_W + h * par.gravity_W, p_W = base.p_W + h * v_W;
-    contacts.finder.at[u] = {
-        .p_W = p_W, .R_WB = Mat3::Identity(), .a_W = p_W, .V = {.w = Vec3::Zero(), .v = v_W}};
-    contacts.finder.owned[u].tree = u;
-    contacts.finder.owned[u].beyond_predicted = {};
-    contacts.stages[u] = {
-        .A_ww = Block::identity(), .M = m, .b = {.w = Column(Pack(0)), .v = Column(Vec3(m * v_W))}};
-    contacts.x.V[u] = contacts.x.V_0[u] = {.w = Column(Pack(0)), .v = Column(v_W)};
-  }
-}
-
 /// Sets the mean velocities of bodies since the start of the step, from their poses then and at the predicted
 /// end. The predicted velocity is the mean one in stages that follow another.
 template <Scene S>
@@ -145,13 +126,12 @@ CoordinateAt coordinate_at([[maybe_unused]] const Params<S>& par, std::uint32_t 
   return at;
 }
 
-/// Solves a stage with contacts, nodes and terms. Compiled once for all stages of a step.
+/// Solves a stage with contacts and terms. Compiled once for all stages of a step.
 template <Scene S>
 [[gnu::noinline]] void solve_touching(const Params<S>& par, const State<S>& x, [[maybe_unused]] Solve which,
                                       Real h, Scratch<S>& w) noexcept {
   auto& contacts = w.contacts;
   set_mean_velocities(par, x, h, w);
-  if constexpr (uses<NodesOf<S>>) load_nodes(par, h, w);
   if constexpr (uses<typename S::Joints>) begin_joints(par, x, which == Solve::first, h, w.tree, contacts);
   if constexpr (uses<TermsOf<S>>) {
     const auto coordinate = [&](std::uint32_t i, int c) noexcept { return coordinate_at(par, i, c, h, w); };
@@ -160,11 +140,11 @@ template <Scene S>
   if constexpr (uses<NetOf<S>>) {
     const NetInput<NetOf<S>> net{par.net, par.gravity_W, which == Solve::again};
     begin_net(net, w.net.bases, h, contacts);
-    solve_contacts(par.contacts, end_of_numbers(par), h, contacts, net);
+    solve_contacts(par.contacts, num_bodies(par), h, contacts, net);
     end_contacts(h, contacts);
     end_net(h, contacts);
   } else {
-    solve_contacts(par.contacts, end_of_numbers(par), h, contacts);
+    solve_contacts(par.contacts, num_bodies(par), h, contacts);
     end_contacts(h, contacts);
   }
   if constexpr (uses<TermsOf<S>>) end_terms(h, contacts, w.term_forces);
@@ -179,9 +159,6 @@ template <Scene S>
     if (!is_in_island(static_cast<std::uint32_t>(i), contacts)) set_lane(w.impulses[g].turn_B, j, w_B);
     if (is_joined(static_cast<std::uint32_t>(i), contacts)) set_lane(w.impulses[g].is_joined, j, 1);
   }
-  if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j)
-      w.nodes.velocities[j] = contacts.x.V[node_number<S>(j)].v.vec();
 }
 
 /// Begins the contacts of a stage from their memories at the end of the previous one.

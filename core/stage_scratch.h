@@ -49,12 +49,11 @@ struct Next {
 template <class S>
 inline constexpr bool prescribes = !std::is_empty_v<typename S::Joints::Input>;
 
-/// Contact part of a scene, with its joints, nodes and terms.
+/// Contact part of a scene, with its joints and terms.
 template <class S>
 struct TouchingType {
   using OfBodies = std::conditional_t<uses<typename S::Joints>, OnJoints<ContactsOf<S>>, ContactsOf<S>>;
-  using OfTerms = std::conditional_t<uses<NodesOf<S>> || uses<TermsOf<S>>,
-                                     WithTerms<OfBodies, TermsOf<S>, max_nodes<S>>, OfBodies>;
+  using OfTerms = std::conditional_t<uses<TermsOf<S>>, WithTerms<OfBodies, TermsOf<S>>, OfBodies>;
   using type = std::conditional_t<uses<NetOf<S>>, WithNet<OfTerms, NetOf<S>>, OfTerms>;
 };
 template <class S>
@@ -62,8 +61,7 @@ using TouchingOf = typename TouchingType<S>::type;
 
 template <class S>
 using ContactScratchOf =
-    std::conditional_t<uses<ContactsOf<S>>, BodyContactScratch<TouchingOf<S>, S::max_bodies + max_nodes<S>>,
-                       Absent<10>>;
+    std::conditional_t<uses<ContactsOf<S>>, BodyContactScratch<TouchingOf<S>, S::max_bodies>, Absent<10>>;
 /// Joint part of a scene, of bodies with or without contacts.
 template <class S>
 using JointScratchOf = std::conditional_t<
@@ -151,9 +149,6 @@ struct Scratch {
                                            Absent<35>>
       impulses;  // of the last solve
   [[no_unique_address]] std::conditional_t<iterates_joints<S>, Iteration<S>, Absent<20>> iteration;
-  [[no_unique_address]] std::conditional_t<uses<NodesOf<S>>, NodeScratch<max_nodes<S>, NodeState<S>>,
-                                           Absent<18>>
-      nodes;
   [[no_unique_address]] std::conditional_t<uses<NetOf<S>>, NetMotions<S>, Absent<21>> net;
   [[no_unique_address]] ContactScratchOf<S> contacts;
   [[no_unique_address]] Slot<typename TermsOf<S>::State, 32> term_forces;  // of the last solve

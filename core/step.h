@@ -48,8 +48,6 @@ bool is_finite(const Params<S>& par, const Scratch<S>& w) noexcept {
     const Next<S>& next = w.next[g];
     all += sum(next.x.X_WB) + next.x.v_W.sum() + next.x.w_B.sum() + sum(next.memory);
   }
-  if constexpr (uses<NodesOf<S>>)
-    for (std::size_t j = 0; j < num_nodes(par); ++j) all += sum(w.nodes.next[j]);
   if constexpr (uses<NetOf<S>>)
     for (std::size_t n = 0; n < num_net_nodes(par); ++n) all += sum(w.net.next[n]);
   return is_finite(all);
@@ -109,7 +107,6 @@ void commit(const Params<S>& par, const Scratch<S>& w, State<S>& x) noexcept {
     if constexpr (uses<typename S::Joints>) x.bodies[i].joint.F_C = w.tree.nodes[i].F_C;
     if constexpr (has_stages<S>) x.bodies[i].contact.F_W = w.contacts.wrenches[i];
   }
-  if constexpr (uses<NodesOf<S>>) std::copy_n(w.nodes.next.begin(), num_nodes(par), x.nodes.begin());
   if constexpr (uses<NetOf<S>>) {
     std::copy_n(w.net.next.begin(), num_net_nodes(par), x.net.nodes.begin());
     x.net.contacts.assign(w.contacts.net.memories.after());

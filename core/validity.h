@@ -23,10 +23,9 @@ enum class Invalid : std::uint8_t {
   contact_sphere,        // a sphere without radius, of no body or material, or not in the order of the bodies
   contact_surface,  // a shape that is not valid, of no body or material, or not in the order of the bodies
   contact_law,      // a negative stiffness, damping or friction, or a law that is not that of b and a
-  node,             // more nodes than the capacity, or one without mass
   net,             // too many nodes or springs, a node without mass or body, carriers or springs out of order
   net_attachment,  // too many, of no node or body, to the node's own carrier, out of order, or negative
-  term,            // between missing bodies or nodes, or with a negative or non-finite number
+  term,            // between missing bodies, or with a negative or non-finite number
   not_imposable,   // a prescribed joint of a kind without coordinates of its own: free, fixed or ball
 };
 
@@ -52,12 +51,11 @@ constexpr const char* text_of(Invalid rule) noexcept {
       return "the surface needs a valid shape, a body or the world, a material, and the order of the bodies";
     case Invalid::contact_law:
       return "contact laws need gains of at least 0, a tangent where there is friction, and symmetry";
-    case Invalid::node: return "nodes must fit into the scene's room, each with a mass above 0 kg";
     case Invalid::net:
       return "nets must fit into the scene's room, nodes with a mass, carriers and springs in order";
     case Invalid::net_attachment:
       return "an attachment needs a node, another body than its carrier, gains of at least 0, and the order";
-    case Invalid::term: return "a term needs bodies or nodes that are there, and numbers of at least 0";
+    case Invalid::term: return "a term needs bodies that are there, and numbers of at least 0";
     case Invalid::not_imposable:
       return "an imposed joint needs coordinates of its own: no fixed or ball joint";
   }

@@ -1,17 +1,11 @@
-// Nodes: particles with three coordinates beside the bodies of a scene. Gravity, contacts and terms
-// (core/term) act on them. In the block system each node is an unknown like a body, numbered after all
-// bodies.
+// State of a node of a net: a particle with three coordinates.
 #pragma once
 
-#include <array>
+#include <type_traits>
 
 #include "core/math/types.h"
 
 namespace godobject {
-
-struct NodeParams {
-  Real m = 0;  // kg, > 0
-};
 
 /// Returns the initial memory of the integrator for a node: zero or empty.
 template <class Memory>
@@ -35,27 +29,9 @@ Real sum(const NodeStateOf<Memory>& x) noexcept {
   return moves;
 }
 
-/// Nodes part of a scene.
-template <std::size_t max_>
-struct NodeList {
-  static constexpr std::size_t max = max_;
-  struct Params {
-    std::array<NodeParams, max> list;
-    std::size_t size = 0;
-  };
-};
-
 /// Position and velocity of a node.
 struct NodeMotion {
   Vec3 p_W = Vec3::Zero(), v_W = Vec3::Zero();
-};
-
-/// Working storage for the nodes of a scene in a step, undefined between steps.
-template <std::size_t max, class State>
-struct NodeScratch {
-  std::array<NodeMotion, max> bases;  // start of the stage
-  std::array<Vec3, max> velocities;   // solution of the stage
-  std::array<State, max> next;        // committed if finite
 };
 
 }  // namespace godobject

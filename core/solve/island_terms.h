@@ -29,7 +29,6 @@ void begin_terms(const typename Contacts::Terms::Params& par, const TermForces<m
       auto& stage = stages.list[t];
       kind.begin(terms.list[t], in, forces.list[w.graph.num_terms], stage);
       kind.each_force(stage, [&](std::uint32_t u, const Column& r, const Column& F) noexcept {
-        if (u >= N - Contacts::max_nodes) return;
         Column w_W(w.finder.at[u].V.w);
         if constexpr (Contacts::jointed) w_W -= w.graph.joints.V_p[u].w;
         const Block K = block_of(lever_stiffness<Real>(r.vec(), h * h * F.vec()));

@@ -176,7 +176,7 @@ void stiffen(JointKind kind, std::size_t i, const Twist& V_P, const Twist& V_rel
 template <class S, class Contacts>
 void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool touched, Real h,
                  TouchingJoints<S::max_bodies, typename S::Joints>& tree,
-                 BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
+                 BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
   auto& all = w.graph.joints;
   JointEdge& edge = all.edges[i];
   const std::size_t parent = edge.parent;
@@ -207,7 +207,7 @@ void begin_joint(const Params<S>& par, std::size_t i, const Wrench& F_C, bool to
 template <class S, class Contacts>
 void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
                   TouchingJoints<S::max_bodies, typename S::Joints>& tree,
-                  BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w) noexcept {
+                  BodyContactScratch<Contacts, S::max_bodies>& w) noexcept {
   auto& all = w.graph.joints;
   tree.is_stiff = tree.stop_acts = tree.stop_changes = false;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
@@ -222,11 +222,6 @@ void begin_joints(const Params<S>& par, const State<S>& x, bool first, Real h,
     all.p[i] = Column(at.p_W);
     all.joined[i] = false;
     all.V_p[i] = SpatialVector::zero();
-  }
-  for (std::size_t u = num_bodies(par); u < end_of_numbers(par); ++u) {  // nodes
-    all.edges[u] = {};
-    all.joined[u] = false;
-    all.V_p[u] = SpatialVector::zero();
   }
   for (std::size_t i = 0; i < num_bodies(par); ++i)
     if (all.edges[i].kind != JointKind::free)
@@ -283,7 +278,7 @@ template <class Contacts, std::size_t N, class Impulses>
 /// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts, plus
 /// those of its descendants.
 template <class S, class Contacts>
-void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies + max_nodes<S>>& w,
+void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies>& w,
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
   const auto& all = w.graph.joints;
   auto& F = w.x.Ap;

@@ -16,8 +16,8 @@ template <std::size_t spheres_, std::size_t surfaces_, std::size_t contacts_>
 struct FixedContacts {
   static constexpr std::size_t max_contacts = contacts_, max_pairs = 0, max_blocks = 0;
   static constexpr bool between_bodies = false;
-  static constexpr bool jointed = false;                                            // OnJoints
-  static constexpr std::size_t max_nodes = 0, max_terms = 0, max_term_entries = 0;  // WithTerms
+  static constexpr bool jointed = false;                             // OnJoints
+  static constexpr std::size_t max_terms = 0, max_term_entries = 0;  // WithTerms
   using TermStages = Absent<19>;
   static constexpr bool has_net = false;  // WithNet
   static constexpr std::size_t max_net_packs = 0;
@@ -37,12 +37,11 @@ struct BodyContacts : FixedContacts<spheres_, surfaces_, contacts_> {
   static constexpr bool between_bodies = true;
 };
 
-/// Contact part of a scene with nodes or terms.
-template <class Contacts, class Terms_, std::size_t nodes>
+/// Contact part of a scene with terms.
+template <class Contacts, class Terms_>
 struct WithTerms : Contacts {
   using Terms = Terms_;
-  static constexpr std::size_t max_nodes = nodes, max_terms = Terms::max_terms,
-                               max_term_entries = Terms::max_entries;
+  static constexpr std::size_t max_terms = Terms::max_terms, max_term_entries = Terms::max_entries;
   using TermStages = typename Terms::Stages;
 };
 
@@ -52,7 +51,7 @@ struct WithNet : Contacts {
   using Net = Net_;
   static constexpr bool has_net = true;
   static constexpr std::size_t max_net_packs = NetStage<Net, 1>::max_packs;
-  template <std::size_t N>  // bodies and nodes
+  template <std::size_t N>  // bodies
   static constexpr std::size_t max_net_pairs = NetStage<Net, N>::max_pairs;
 };
 
@@ -105,7 +104,7 @@ requires(Contacts::has_net) struct NetStageType<Contacts, N, System> {
   using CoupledB = typename Coupled::Vector;
 };
 
-/// Working storage of contacts, undefined between steps. N: bodies and nodes.
+/// Working storage of contacts, undefined between steps. N: bodies.
 template <class Contacts, std::size_t N>
 struct BodyContactScratch {
   static constexpr std::size_t max_contacts = Contacts::max_contacts, max_pairs = Contacts::max_pairs,
@@ -120,8 +119,7 @@ struct BodyContactScratch {
       std::max<std::size_t>(max_pairs + Contacts::max_term_entries + (Contacts::jointed ? N : 0) +
                                 Contacts::template max_net_pairs<N>,
                             1);
-  using System = BlockSystem<N - Contacts::max_nodes, Contacts::max_nodes, max_entries, room,
-                             Contacts::jointed, Contacts::has_net>;
+  using System = BlockSystem<N, max_entries, room, Contacts::jointed, Contacts::has_net>;
   using OfNet = NetStageType<Contacts, N, System>;
   ContactFinder<Contacts, N> finder;
   NearContacts<max_contacts> near;

@@ -21,8 +21,7 @@ namespace godobject {
 
 /// Adds a left-out block E to the diagonals of the unknowns numbered i and j (27).
 template <class System>
-void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const SpatialMatrix& E,
-               System& w) noexcept {
+void leave_out(std::uint32_t i, std::uint32_t j, const SpatialMatrix& E, System& w) noexcept {
   const SpatialVector &a_i = w.root_diagonal[i], &a_j = w.root_diagonal[j];
   const auto leave = [](const Block& e, const Column& a_r, const Column& a_c, Block& A_rr,
                         Block& A_cc) noexcept {
@@ -36,9 +35,9 @@ void leave_out(std::uint32_t i, std::uint32_t j, int rows_i, int rows_j, const S
   };
   SymmetricSpatialMatrix &A_ii = w.A_kk[i], &A_jj = w.A_kk[j];
   leave(E.vv, a_i.v, a_j.v, A_ii.vv, A_jj.vv);
-  if (rows_i == 2) leave(E.wv, a_i.w, a_j.v, A_ii.ww, A_jj.vv);
-  if (rows_j == 2) leave(E.vw, a_i.v, a_j.w, A_ii.vv, A_jj.ww);
-  if (rows_i == 2 && rows_j == 2) leave(E.ww, a_i.w, a_j.w, A_ii.ww, A_jj.ww);
+  leave(E.wv, a_i.w, a_j.v, A_ii.ww, A_jj.vv);
+  leave(E.vw, a_i.v, a_j.w, A_ii.vv, A_jj.ww);
+  leave(E.ww, a_i.w, a_j.w, A_ii.ww, A_jj.ww);
 }
 
 /// Leaves out all entries without a slot.
@@ -53,9 +52,7 @@ void leave_out_entries(System& w) noexcept {
   }
   for (std::uint32_t e = 0; e < w.num_entries; ++e) {
     const BlockEntry& entry = w.entries[e];
-    if (entry.slot != no_slot) continue;
-    leave_out(w.number_of[entry.i], w.number_of[entry.j], w.is_body(entry.i) ? 2 : 1,
-              w.is_body(entry.j) ? 2 : 1, entry.A, w);
+    if (entry.slot == no_slot) leave_out(w.number_of[entry.i], w.number_of[entry.j], entry.A, w);
   }
 }
 
@@ -64,7 +61,7 @@ template <class System>
 void add_block(std::uint32_t i, std::uint32_t j, const SpatialMatrix& A_ij, System& w) noexcept {
   const std::uint32_t low = std::min(i, j), high = std::max(i, j), end = w.first[low + 1];
   const std::uint32_t b = find_row(w, high, w.first[low], end);
-  if (b == end) leave_out(i, j, w.is_body(w.unknown[i]) ? 2 : 1, 2, A_ij, w);
+  if (b == end) leave_out(i, j, A_ij, w);
   else w.Z[b] += i > j ? A_ij : transposed(A_ij);
 }
 
@@ -95,25 +92,19 @@ template <int columns, class System>
 void eliminate_block(std::uint32_t k, std::uint32_t c, System& w) noexcept {
   const std::uint32_t j = w.row[c], end = w.first[j + 1];
   std::uint32_t to = w.first[j];
-  w.with_rows(w.unknown[j], [&](auto rows_j) noexcept {
-    constexpr int R_j = decltype(rows_j)::value;
-    const SpatialMatrix Y_j = scaled<R_j, columns>(w.Z[c], w.pivots[k]);
-    subtract_product<R_j, columns>(w.Z[c], Y_j, w.A_kk[j]);
-    for (std::uint32_t b = c + 1; b < w.first[k + 1]; ++b) {
-      const std::uint32_t i = w.row[b];
-      while (to < end && w.row[to] < i) ++to;
-      w.with_rows(w.unknown[i], [&](auto rows_i) noexcept {
-        constexpr int R_i = decltype(rows_i)::value;
-        if (to < end && w.row[to] == i) {
-          subtract_product<R_i, R_j, columns>(w.Z[b], Y_j, w.Z[to]);
-        } else {
-          SpatialMatrix E = SpatialMatrix::zero();
-          subtract_product<R_i, R_j, columns>(w.Z[b], Y_j, E);
-          leave_out(i, j, R_i, R_j, E, w);
-        }
-      });
+  const SpatialMatrix Y_j = scaled<columns>(w.Z[c], w.pivots[k]);
+  subtract_product<columns>(w.Z[c], Y_j, w.A_kk[j]);
+  for (std::uint32_t b = c + 1; b < w.first[k + 1]; ++b) {
+    const std::uint32_t i = w.row[b];
+    while (to < end && w.row[to] < i) ++to;
+    if (to < end && w.row[to] == i) {
+      subtract_product<columns>(w.Z[b], Y_j, w.Z[to]);
+    } else {
+      SpatialMatrix E = SpatialMatrix::zero();
+      subtract_product<columns>(w.Z[b], Y_j, E);
+      leave_out(i, j, E, w);
     }
-  });
+  }
 }
 
 /// Factors a system that is ordered and loaded (31).
@@ -130,9 +121,7 @@ void factorize(System& w) noexcept {
       constexpr int C = decltype(columns)::value;
       Pivot& pivot = w.pivots[k];
       factor<C>(w.A_kk[k], pivot);
-      for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b)
-        w.with_rows(w.unknown[w.row[b]],
-                    [&](auto rows) noexcept { substitute<decltype(rows)::value, C>(pivot, w.Z[b]); });
+      for (std::uint32_t b = w.first[k]; b < w.first[k + 1]; ++b) substitute<C>(pivot, w.Z[b]);
       for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) eliminate_block<C>(k, c, w);
     });
     if constexpr (System::jointed) {
@@ -154,11 +143,8 @@ void solve(const System& w, B& b, OfV& V) noexcept {
     w.with_columns(u, [&](auto columns) noexcept {
       constexpr int C = decltype(columns)::value;
       b_k = scaled<C>(solve_lower<C>(w.pivots[k], b_k), w.pivots[k]);
-      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
-        const std::uint32_t i = w.unknown[w.row[c]];
-        w.with_rows(
-            i, [&](auto rows) noexcept { subtract_product<decltype(rows)::value, C>(w.Z[c], b_k, b[i]); });
-      }
+      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c)
+        subtract_product<C>(w.Z[c], b_k, b[w.unknown[w.row[c]]]);
     });
   }
   for (std::uint32_t k = w.size; k-- > 0;) {
@@ -167,12 +153,8 @@ void solve(const System& w, B& b, OfV& V) noexcept {
     w.with_columns(u, [&](auto columns) noexcept {
       constexpr int C = decltype(columns)::value;
       SpatialVector sum = SpatialVector::zero();
-      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c) {
-        const std::uint32_t i = w.unknown[w.row[c]];
-        w.with_rows(i, [&](auto rows) noexcept {
-          add_product_transposed<decltype(rows)::value, C>(w.Z[c], V[i], sum);
-        });
-      }
+      for (std::uint32_t c = w.first[k]; c < w.first[k + 1]; ++c)
+        add_product_transposed<C>(w.Z[c], V[w.unknown[w.row[c]]], sum);
       V_k = solve_upper<C>(w.pivots[k], b[u] - scaled<C>(sum, w.pivots[k]));
     });
     if (const BlockJoint* joint = w.joint_of(u)) {
@@ -187,7 +169,7 @@ void solve(const System& w, B& b, OfV& V) noexcept {
 template <class System>
 bool is_single_body(const System& w) noexcept {
   const std::uint32_t u = w.unknown[0];
-  return w.size == 1 && w.joint_of(u) == nullptr && w.is_body(u);
+  return w.size == 1 && w.joint_of(u) == nullptr;
 }
 
 /// Solves V = A^-1 b of a system that factorize_and_solve() has solved. b is overwritten.

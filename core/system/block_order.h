@@ -63,17 +63,12 @@ class BlockOrder {
     w_.neighbours[i].erase(next);
     w_.degree[i] = degree_of(i);
   }
-  /// Returns the size of the neighbourhood of an unknown, in blocks of three rows.
+  /// Returns the number of neighbours of an unknown.
   std::uint32_t degree_of(std::uint32_t i) const noexcept {
     if constexpr (System::jointed) {
       if (w_.remaining_children[i] > 0) return not_ready;
     }
-    std::uint32_t degree = w_.neighbours[i].size(w_.size);
-    if constexpr (System::has_nodes) {
-      w_.neighbours[i].each(w_.size,
-                            [&](std::uint32_t j) noexcept { degree += w_.is_body(w_.unknown[j]) ? 1 : 0; });
-    }
-    return degree;
+    return w_.neighbours[i].size(w_.size);
   }
 
   /// Collects the neighbours coupled by terms and joints; of terms only those with room.

@@ -1,7 +1,7 @@
 // Symmetric block system of all coupled unknowns of a stage: A V = b (26). Unknowns are twists of bodies
-// about their centres of mass, and velocities of nodes. A term declares its coupling once with couple() and
-// adds its values with add_*() whenever they change. Values are an effective mass A (h times an impedance)
-// and an impulse b. Joints are no terms: `joints` eliminate unknowns (33).
+// about their centres of mass. A term declares its coupling once with couple() and adds its values with
+// add_*() whenever they change. Values are an effective mass A (h times an impedance) and an impulse b.
+// Joints are no terms: `joints` eliminate unknowns (33).
 //
 // An implementation, with line_search.h, of the approach of Drake's irrotational contact fields (Castro, Han,
 // Masterjohn 2024). docs/step.md lists the differences.
@@ -36,14 +36,13 @@ struct BlockJoint {
   bool has_parent() const noexcept { return !is_free && parent != on_world; }
 };
 
-/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. The first max_bodies
-/// unknowns are bodies, the others nodes. always_keeps: loaded values are kept, also with a complete factor.
-template <std::size_t max_bodies_, std::size_t max_nodes_, std::size_t max_entries_, std::size_t room_,
-          bool jointed_, bool always_keeps_ = false>
+/// Undefined between steps. room: capacity of the factor for blocks beside the diagonal. always_keeps: loaded
+/// values are kept, also with a complete factor.
+template <std::size_t max_unknowns_, std::size_t max_entries_, std::size_t room_, bool jointed_,
+          bool always_keeps_ = false>
 struct BlockSystem {
-  static constexpr std::size_t max_bodies = max_bodies_, max_unknowns = max_bodies_ + max_nodes_;
-  static constexpr std::size_t max_entries = max_entries_, room = room_;
-  static constexpr bool has_nodes = max_nodes_ > 0, jointed = jointed_, always_keeps = always_keeps_;
+  static constexpr std::size_t max_unknowns = max_unknowns_, max_entries = max_entries_, room = room_;
+  static constexpr bool jointed = jointed_, always_keeps = always_keeps_;
   static constexpr bool is_coupled = false;  // true with nodes of nets
   static_assert(max_unknowns < 0xfffe);
   static_assert(!jointed || room >= max_unknowns, "a joint needs its block");
@@ -78,7 +77,6 @@ struct BlockSystem {
   [[no_unique_address]] std::conditional_t<jointed, std::array<std::uint32_t, max_unknowns>, Absent<15>>
       remaining_children;
 
-  static constexpr bool is_body(std::uint32_t u) noexcept { return !has_nodes || u < max_bodies; }
   const BlockJoint* joint_of(std::uint32_t u) const noexcept {
     if constexpr (jointed) {
       if (!joints[u].is_free) return &joints[u];
@@ -161,17 +159,11 @@ struct BlockSystem {
     }
   }
 
-  /// Calls f with the rows of unknown u as a constant: 2, or 1 for a node.
-  template <class F>
-  static void with_rows(std::uint32_t u, F f) noexcept {
-    if (is_body(u)) f(std::integral_constant<int, 2>{});
-    else f(std::integral_constant<int, 1>{});
-  }
-  /// Calls f with the columns of a numbered unknown u as a constant: 2 for a body without a joint, 1 for a
-  /// joint's coordinates or a node.
+  /// Calls f with the columns of a numbered unknown u in threes, as a constant: 2 for a body without a joint,
+  /// 1 for a joint's coordinates.
   template <class F>
   void with_columns(std::uint32_t u, F f) const noexcept {
-    if (is_body(u) && joint_of(u) == nullptr) f(std::integral_constant<int, 2>{});
+    if (joint_of(u) == nullptr) f(std::integral_constant<int, 2>{});
     else f(std::integral_constant<int, 1>{});
   }
 };

@@ -40,7 +40,7 @@ inline void factor_v(std::array<Column, 3>& u, Pivot& f) noexcept {
   f.D_inverse_v = diagonal(f.D_inverse[3], f.D_inverse[4], f.D_inverse[5]);
 }
 
-/// Factors a diagonal block. rows: in threes, 2 for (w, v), 1 for v alone, also in the functions below.
+/// Factors a diagonal block. rows: in threes, 2 for (w, v), 1 for v alone.
 template <int rows>
 void factor(const SymmetricSpatialMatrix& A, Pivot& f) noexcept {
   std::array<Column, 3> u = A.vv.col;
@@ -104,18 +104,18 @@ SpatialVector solve_upper(const Pivot& f, SpatialVector V) noexcept {
   return V;
 }
 
-/// Computes A L^-T for A of `rows` rows and the pivot's number of columns.
-template <int rows, int columns>
+/// Computes A L^-T. columns: those of the pivot in threes, also in the functions below.
+template <int columns>
 void substitute(const Pivot& f, SpatialMatrix& A) noexcept {
   const auto from_w = [&]<int m>(std::integral_constant<int, m>) noexcept {
     for (std::size_t c = m + 1; c < 3; ++c) {
       const Pack l = f.ww.col[m].p[c];
-      if constexpr (rows == 2) A.ww.col[c] -= A.ww.col[m] * l;
+      A.ww.col[c] -= A.ww.col[m] * l;
       A.vw.col[c] -= A.vw.col[m] * l;
     }
     for (std::size_t c = 0; c < 3; ++c) {
       const Pack l = f.vw.col[m].p[c];
-      if constexpr (rows == 2) A.wv.col[c] -= A.ww.col[m] * l;
+      A.wv.col[c] -= A.ww.col[m] * l;
       A.vv.col[c] -= A.vw.col[m] * l;
     }
   };
@@ -127,21 +127,21 @@ void substitute(const Pivot& f, SpatialMatrix& A) noexcept {
   for (std::size_t m = 0; m < 2; ++m) {
     for (std::size_t c = m + 1; c < 3; ++c) {
       const Pack l = f.vv.col[m].p[c];
-      if constexpr (rows == 2) A.wv.col[c] -= A.wv.col[m] * l;
+      A.wv.col[c] -= A.wv.col[m] * l;
       A.vv.col[c] -= A.vv.col[m] * l;
     }
   }
 }
 /// Returns A D^-1.
-template <int rows, int columns>
+template <int columns>
 SpatialMatrix scaled(const SpatialMatrix& A, const Pivot& f) noexcept {
   SpatialMatrix scaled;
   for (std::size_t c = 0; c < 3; ++c) {
     if constexpr (columns == 2) {
-      if constexpr (rows == 2) scaled.ww.col[c] = A.ww.col[c] * f.D_inverse[c];
+      scaled.ww.col[c] = A.ww.col[c] * f.D_inverse[c];
       scaled.vw.col[c] = A.vw.col[c] * f.D_inverse[c];
     }
-    if constexpr (rows == 2) scaled.wv.col[c] = A.wv.col[c] * f.D_inverse[c + 3];
+    scaled.wv.col[c] = A.wv.col[c] * f.D_inverse[c + 3];
     scaled.vv.col[c] = A.vv.col[c] * f.D_inverse[c + 3];
   }
   return scaled;
@@ -155,38 +155,36 @@ template <int columns>
   if constexpr (columns == 1) return times_transpose(A_v, B_v);
   else return times_transpose(A_w, B_w) + times_transpose(A_v, B_v);
 }
-/// Computes C -= A B^T, for A and B with so many rows each and the same columns.
-template <int rows_A, int rows_B, int columns>
+/// Computes C -= A B^T.
+template <int columns>
 void subtract_product(const SpatialMatrix& A, const SpatialMatrix& B, SpatialMatrix& C) noexcept {
-  if constexpr (rows_A == 2 && rows_B == 2) C.ww -= times_transpose<columns>(A.ww, A.wv, B.ww, B.wv);
-  if constexpr (rows_A == 2) C.wv -= times_transpose<columns>(A.ww, A.wv, B.vw, B.vv);
-  if constexpr (rows_B == 2) C.vw -= times_transpose<columns>(A.vw, A.vv, B.ww, B.wv);
+  C.ww -= times_transpose<columns>(A.ww, A.wv, B.ww, B.wv);
+  C.wv -= times_transpose<columns>(A.ww, A.wv, B.vw, B.vv);
+  C.vw -= times_transpose<columns>(A.vw, A.vv, B.ww, B.wv);
   C.vv -= times_transpose<columns>(A.vw, A.vv, B.vw, B.vv);
 }
-template <int rows, int columns>
+template <int columns>
 void subtract_product(const SpatialMatrix& A, const SpatialMatrix& B, SymmetricSpatialMatrix& C) noexcept {
-  if constexpr (rows == 2) {
-    C.ww -= times_transpose<columns>(A.ww, A.wv, B.ww, B.wv);
-    C.wv -= times_transpose<columns>(A.ww, A.wv, B.vw, B.vv);
-  }
+  C.ww -= times_transpose<columns>(A.ww, A.wv, B.ww, B.wv);
+  C.wv -= times_transpose<columns>(A.ww, A.wv, B.vw, B.vv);
   C.vv -= times_transpose<columns>(A.vw, A.vv, B.vw, B.vv);
 }
 
 /// Computes b -= A V.
-template <int rows, int columns>
+template <int columns>
 void subtract_product(const SpatialMatrix& A, const SpatialVector& V, SpatialVector& b) noexcept {
-  if constexpr (rows == 2) b.w -= columns == 2 ? A.ww * V.w + A.wv * V.v : A.wv * V.v;
+  b.w -= columns == 2 ? A.ww * V.w + A.wv * V.v : A.wv * V.v;
   b.v -= columns == 2 ? A.vw * V.w + A.vv * V.v : A.vv * V.v;
 }
 /// Computes sum += A^T V.
-template <int rows, int columns>
+template <int columns>
 void add_product_transposed(const SpatialMatrix& A, const SpatialVector& V, SpatialVector& sum) noexcept {
   if constexpr (columns == 2) {
     sum.w += times_transposed(A.vw, V.v);
-    if constexpr (rows == 2) sum.w += times_transposed(A.ww, V.w);
+    sum.w += times_transposed(A.ww, V.w);
   }
   sum.v += times_transposed(A.vv, V.v);
-  if constexpr (rows == 2) sum.v += times_transposed(A.wv, V.w);
+  sum.v += times_transposed(A.wv, V.w);
 }
 
 }  // namespace godobject

@@ -1,4 +1,4 @@
-// Term: springs with dampers between points of bodies, nodes or the world.
+// Term: springs with dampers between points of bodies or the world.
 #pragma once
 
 #include "core/joint/tree.h"
@@ -7,7 +7,7 @@
 
 namespace godobject {
 
-/// Point on a body, on a node (p is zero then), or of the world.
+/// Point on a body or of the world.
 struct SpringEnd {
   std::uint32_t on = TermEnds::on_world;
   Vec3 p = Vec3::Zero();  // place from the centre of mass in body axes, or in the world, m

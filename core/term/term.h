@@ -1,16 +1,15 @@
-// Terms: forces between bodies, nodes and the world, as effective masses and impulses in the block system
-// (26).
+// Terms: forces between bodies and the world, as effective masses and impulses in the block system (26).
 //
 //   using Terms = TermList<DampedSprings<4>, CoordinateSprings<2>>;
 //
 // Kinds of terms are a file each, such as damped_spring.h; this file has the list of the kinds of a scene.
 // Members of a kind:
 //   max             capacity for its terms
-//   max_ends        largest number of bodies and nodes of a term
+//   max_ends        largest number of bodies of a term
 //   on_coordinates  true if it acts on coordinates of joints
 //   is_joint        true if its bodies become one tool, whose bodies do not touch each other
 //   Param, Stage    parameters of a term, and its data in a stage
-//   ends()          bodies and nodes that it couples
+//   ends()          bodies that it couples
 //   begin()         linearises it about the predicted end of the stage
 //   load()          adds it to the block system
 //   each_impulse()  its impulses at the velocities of the end
@@ -25,7 +24,7 @@
 
 namespace godobject {
 
-/// Bodies and nodes that a term couples, by number (node_number), each once.
+/// Bodies that a term couples, by number, each once.
 struct TermEnds {
   static constexpr std::size_t max = 4, max_pairs = max * (max - 1) / 2;
   static constexpr std::uint32_t on_world = ~std::uint32_t(0);
@@ -53,7 +52,7 @@ struct TermEnds {
 /// Entries of the block system, one for every two ends, in the order of each_pair().
 using TermEntries = std::array<std::uint32_t, TermEnds::max_pairs>;
 
-/// Term in the graph of coupled bodies and nodes. Undefined between steps.
+/// Term in the graph of coupled bodies. Undefined between steps.
 struct TermEdge : TermEnds {
   std::uint32_t island = 0;
   TermEntries entries{};

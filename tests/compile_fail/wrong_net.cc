@@ -1,4 +1,4 @@
-// Must not compile: a list of nodes is no net.
+// Must not compile: a list of terms is no net.
 #include "core/godobject.h"
 
 using namespace godobject;
@@ -11,6 +11,6 @@ struct Mixed {
   using Joints = None;
   using Feedback = None;
   using Contacts = BodyContacts<10, 1, 20, 20>;
-  using Net = NodeList<5>;
+  using Net = TermList<DampedSprings<5>>;
 };
 static_assert(Scene<Mixed>);

@@ -1,4 +1,4 @@
-// Nodes and terms in a scene: a particle on a damped spring, on a jointed tool that stands on the floor.
+// Terms in a scene: a ball on a damped spring, on a jointed tool that stands on the floor.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -13,14 +13,13 @@ namespace {
 
 template <class I>
 struct Tethered {
-  static constexpr std::size_t max_bodies = 4;  // two of them unused, but in a chain
+  static constexpr std::size_t max_bodies = 6;  // three of them unused, but in a chain with two balls
   using Integrator = I;
   using Device = PoseDevice;
   using Joints = TreeJoints<>;
   using Coupling = DampedSpring;
   using Feedback = None;
   using Contacts = BodyContacts<4, 2, 16>;
-  using Nodes = NodeList<2>;
   using Terms = TermList<DampedSprings<3>>;
 };
 
@@ -28,8 +27,11 @@ constexpr Real duration = 0.128, radius = 0.01, link = 0.06;  // s, m, m
 // all initial depth is pressed, none is rest penetration (35)
 constexpr ContactLaw floor_law{.k = 800, .c = 1.5, .push_out = 10};
 
+/// A ball without contacts, for springs at its centre.
+inline RigidBodyParams ball(Real m) { return rigid_body(m, Mat3(1e-5 * Mat3::Identity())); }
+
 /// A link of 0.06 m along x on the ground, by a sphere at either end, its hinge about y. The second link
-/// stands on it.
+/// stands on it, the ball hangs beside it.
 template <class S>
 struct Rig : Running<S> {
   using Running<S>::par;
@@ -38,10 +40,10 @@ struct Rig : Running<S> {
   explicit Rig(Real h, Real l_0) {
     par.h = h;
     par.gravity_W = Vec3(0, 0, -9.81);
-    par.num_bodies = 2;
+    par.num_bodies = 3;
     const RigidBodyParams body = rigid_body(0.05, Vec3(2e-6, 2e-5, 2e-5).asDiagonal());
-    for (std::size_t i = 0; i < 2; ++i) {
-      par.bodies[i].body = body;
+    for (std::size_t i = 0; i < 3; ++i) {
+      par.bodies[i].body = i < 2 ? body : ball(0.02);
       par.bodies[i].device.rise = 0;
       this->in.devices[i].engaged = false;
     }
@@ -52,19 +54,17 @@ struct Rig : Running<S> {
     const Mat3 about_y = turn_from_z(Vec3::UnitY()).toRotationMatrix();
     joint.P = {.p = Vec3(link / 2, 0, 0), .R = about_y};
     joint.C = {.p = Vec3(-link / 2, 0, 0), .R = about_y};
-    par.bodies[0].joint.kind = JointKind::free;
+    par.bodies[0].joint.kind = par.bodies[2].joint.kind = JointKind::free;
     place(this->x, 0, {.X_WB = {.p = start, .q = Quat::Identity()}, .V_WB = {}});
     place(this->x, 1, {.X_WB = upper(), .V_WB = {}});
     for (const Real end : {-1.0, 1.0}) add_sphere(par, 0, Vec3(end * link / 2, 0, 0), radius);
     add_plane(par);
     set_law(par, floor_law);
-    par.nodes.size = 1;
-    par.nodes.list[0].m = 0.02;
-    this->x.nodes[0].p_W = node();
+    place(this->x, 2, {.X_WB = {.p = hung(), .q = Quat::Identity()}, .V_WB = {}});
     auto& springs = par.terms.template of<0>();
     springs.list[springs.size++] = {
-        .a = {.on = 1, .p = tip()}, .b = {.on = node_number<S>(0)}, .k = 30, .g = 0.2, .l_0 = l_0};
-    springs.list[springs.size++] = {.a = {.p = anchor()}, .b = {.on = node_number<S>(0)}, .k = 20, .g = 0.1};
+        .a = {.on = 1, .p = tip()}, .b = {.on = 2}, .k = 30, .g = 0.2, .l_0 = l_0};
+    springs.list[springs.size++] = {.a = {.p = anchor()}, .b = {.on = 2}, .k = 20, .g = 0.1};
     springs.list[springs.size++] = {
         .a = {.on = 0, .p = Vec3(0, 0.02, 0)}, .b = {.on = 1, .p = tip()}, .k = 10, .g = 0.02};
     coupling() = {.k = 50, .g = 1, .k_r = 0.02, .g_r = 1e-4};
@@ -74,8 +74,8 @@ struct Rig : Running<S> {
   SpringParams& coupling() { return par.bodies[0].coupling; }
   Pose upper() const { return {.p = start + Vec3(link / 2, 0, link / 2), .q = exp_so3(Vec3(0, -pi / 2, 0))}; }
   static Vec3 tip() { return Vec3(link / 2, 0, 0.01); }
-  Vec3 node() const { return start + Vec3(link / 2 + 0.03, 0.01, link + 0.02); }
-  Vec3 anchor() const { return node() + Vec3(0.01, 0.02, 0.02); }
+  Vec3 hung() const { return start + Vec3(link / 2 + 0.03, 0.01, link + 0.02); }
+  Vec3 anchor() const { return hung() + Vec3(0.01, 0.02, 0.02); }
   /// The device sways the lower link to and fro and turns it.
   Target target(Real t) const {
     const Real omega = 2 * pi * 5, s = 1 - std::cos(omega * t), ds = omega * std::sin(omega * t);
@@ -83,7 +83,7 @@ struct Rig : Running<S> {
     return {.X_WD = {.p = start + s * by, .q = exp_so3(Vec3(s * turn))},
             .V_WD = {.w = ds * turn, .v = ds * by}};
   }
-  /// Positions of links and node at the end.
+  /// Positions of links and ball at the end.
   std::vector<Vec3> moved() {
     for (long n = 1; n <= std::lround(duration / par.h); ++n) {
       const Target to = target(static_cast<Real>(n) * par.h);
@@ -94,11 +94,11 @@ struct Rig : Running<S> {
       this->step();
       EXPECT_EQ(this->out.fault, Fault::none);
     }
-    return {this->x.bodies[0].x.X_WB.p, this->x.bodies[1].x.X_WB.p, this->x.nodes[0].p_W};
+    return {this->x.bodies[0].x.X_WB.p, this->x.bodies[1].x.X_WB.p, this->x.bodies[2].x.X_WB.p};
   }
 };
 
-/// Returns the result of the oracle at the end; a node is a ball with its springs at the centre.
+/// Returns the result of the oracle at the end.
 oracle::Solution solved_exactly(Real l_0) {
   using Tether = Rig<Tethered<TrBdf2>>;
   const Tether rig(1e-3, l_0);
@@ -123,11 +123,11 @@ oracle::Solution solved_exactly(Real l_0) {
         const Target to = rig.target(t);
         return {.p = to.X_WD.p, .q = to.X_WD.q, .v = to.V_WD.v, .w = to.V_WD.w};
       })};
-  oracle::Body& node = c.bodies.emplace_back();
-  node.name = "node";
-  node.m = rig.par.nodes.list[0].m;
-  node.I_B = 1e-5 * Mat3::Identity();
-  node.start.p = rig.node();
+  oracle::Body& ball = c.bodies.emplace_back();
+  ball.name = "ball";
+  ball.m = rig.par.bodies[2].body.m;
+  ball.I_B = rig.par.bodies[2].body.I_B;
+  ball.start.p = rig.hung();
   oracle::Joint hinge{.name = "hinge", .type = oracle::JointType::hinge, .parent = 0, .child = 1};
   hinge.anchor_P = Vec3(link / 2, 0, 0);
   hinge.anchor_C = Vec3(-link / 2, 0, 0);
@@ -167,7 +167,7 @@ Real order(Real l_0) {
   return std::log2(e_2 / e_3);
 }
 
-TEST(Terms, AParticleOnASpringMovesAsTheOracleSays) {
+TEST(Terms, ABallOnASpringMovesAsTheOracleSays) {
   for (const Real l_0 : {0.0, 0.02, 0.06}) {
     EXPECT_GT(order<ImplicitEuler>(l_0), 0.9);
     EXPECT_GT(order<TrBdf2>(l_0), 1.9);
@@ -183,7 +183,7 @@ TEST(Terms, AreInWhatAJointBears) {
   EXPECT_LT((rig->out.bodies[1].joint.F_C.f - exact).norm(), 2e-2 * exact.norm());
 }
 
-/// Particles on the first two links of a chain whose stages are subdivided (39).
+/// Balls on the first two links of a chain whose stages are subdivided (39).
 template <class I>
 void expect_chain_to_hold(Real m, Real k) {
   using S = Tethered<I>;
@@ -192,12 +192,13 @@ void expect_chain_to_hold(Real m, Real k) {
   par.h = 1e-2;
   build_snapping_chain(*run, 4, 175 * pi / 180, true);
   auto& springs = par.terms.template of<0>();
-  for (par.nodes.size = 0; par.nodes.size < 2; ++par.nodes.size) {
-    const auto j = static_cast<std::uint32_t>(par.nodes.size);
-    par.nodes.list[j].m = m;
-    run->x.nodes[j].p_W = run->x.bodies[j].x.X_WB.p;
-    springs.list[springs.size++] = {
-        .a = {.on = j}, .b = {.on = node_number<S>(j)}, .k = k, .g = 0.02 * std::sqrt(k * m)};
+  par.num_bodies = 6;
+  for (std::uint32_t j = 0; j < 2; ++j) {
+    const std::uint32_t on = 4 + j;
+    par.bodies[on].body = rigid_body(m, Mat3(1e-4 * m * Mat3::Identity()));
+    par.bodies[on].joint.kind = JointKind::free;
+    place(run->x, on, {.X_WB = run->x.bodies[j].x.X_WB, .V_WB = {}});
+    springs.list[springs.size++] = {.a = {.on = j}, .b = {.on = on}, .k = k, .g = 0.02 * std::sqrt(k * m)};
   }
   ASSERT_EQ(validate(par), Invalid::nothing);
   const Snapped snapped = snap(*run, 2000);
@@ -214,28 +215,26 @@ TEST(Terms, HangOnChainsThatSnapTaut) {
 
 template <class I>
 struct Web {
-  static constexpr std::size_t max_bodies = 1;
+  static constexpr std::size_t max_bodies = 7;
   using Integrator = I;
   using Device = None;
   using Joints = None;
   using Coupling = None;
   using Feedback = None;
   using Contacts = FixedContacts<1, 1, 4>;
-  using Nodes = NodeList<6>;
   using Terms = TermList<DampedSprings<2>, DampedSprings<10>>;
 };
 
-/// Nodes, a free ball, and springs without rest length between them and the world, drawn at random.
+/// Balls, and springs without rest length between their centres and the world, drawn at random.
 template <class S>
 void weave(Random& random, Running<S>& run) {
   auto& par = run.par;
   par.h = random.log_uniform(1e-4, 5e-3);
-  par.bodies[0].body = rigid_body(random.log_uniform(1e-6, 1), Mat3::Identity());
-  place(run.x, 0, {.X_WB = {.p = 0.05 * random.vector()}, .V_WB = {.v = 0.3 * random.vector()}});
-  for (par.nodes.size = 0; par.nodes.size < 6; ++par.nodes.size) {
-    par.nodes.list[par.nodes.size].m = random.log_uniform(1e-6, 1);
-    run.x.nodes[par.nodes.size].p_W = 0.05 * random.vector();
-    run.x.nodes[par.nodes.size].v_W = 0.3 * random.vector();
+  par.num_bodies = 7;
+  for (std::size_t i = 0; i < 7; ++i) {
+    par.bodies[i].body = rigid_body(random.log_uniform(1e-6, 1), Mat3::Identity());
+    const Vec3 p = 0.05 * random.vector();
+    place(run.x, i, {.X_WB = {.p = p}, .V_WB = {.v = 0.3 * random.vector()}});
   }
   const auto draw = [&](auto& springs) {
     for (; springs.size < springs.list.size(); ++springs.size) {
@@ -285,20 +284,17 @@ TEST(Terms, WebsOfLinearSpringsNeverGain) {
   expect_no_gain<TrBdf2>();
 }
 
-/// A node on the floor carries its weight; its energy gain is reported.
-TEST(Terms, BalanceTellsOfNodesThatTouch) {
+/// A ball on the floor carries its weight; its energy gain is reported.
+TEST(Terms, BalanceTellsOfBallsThatTouch) {
   using S = Web<ImplicitEuler>;
   auto run = std::make_unique<Running<S>>();
   auto& par = run->par;
   par.gravity_W = Vec3(0, 0, -9.81);
-  par.bodies[0].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
-  place(run->x, 0, {.X_WB = {.p = Vec3(0, 0, 100)}, .V_WB = {}});
-  par.nodes.size = 1;
-  par.nodes.list[0].m = 0.01;
-  par.contacts.spheres[par.contacts.num_spheres++] = {.body = node_number<S>(0), .radius = radius};
+  par.bodies[0].body = ball(0.01);
+  par.contacts.spheres[par.contacts.num_spheres++] = {.body = 0, .radius = radius};
   par.contacts.surfaces[par.contacts.num_surfaces++] = {};
   par.contacts.laws[0][0] = {.k = 1000, .c = 1};
-  run->x.nodes[0].p_W.z() = radius;
+  place(run->x, 0, {.X_WB = {.p = Vec3(0, 0, radius)}, .V_WB = {}});
   ASSERT_EQ(validate(par), Invalid::nothing);
   EnergyBalance<S> balance;
   balance.start(par, run->x);
@@ -311,7 +307,7 @@ TEST(Terms, BalanceTellsOfNodesThatTouch) {
   ASSERT_EQ(run->out.contacts.num_contacts, 1u);
   EXPECT_FALSE(balance.gains());
   for (int n = 0; n < 40; ++n) {
-    run->x.nodes[0].v_W.x() += 0.5;  // without external work
+    run->x.bodies[0].x.v_W.x() += 0.5;  // without external work
     step();
   }
   EXPECT_TRUE(balance.gains());
@@ -321,12 +317,9 @@ TEST(Terms, BalanceTellsOfNodesThatTouch) {
 TEST(Terms, ASpringMayStartWithoutLength) {
   auto run = std::make_unique<Running<Web<TrBdf2>>>();
   auto& par = run->par;
-  par.bodies[0].body = rigid_body(0.1, Mat3(1e-4 * Mat3::Identity()));
-  par.nodes.size = 1;
-  par.nodes.list[0].m = 0.1;
+  par.bodies[0].body = ball(0.1);
   auto& springs = par.terms.of<1>();
-  springs.list[springs.size++] = {
-      .a = {}, .b = {.on = node_number<Web<TrBdf2>>(0)}, .k = 1, .g = 1, .l_0 = 5};
+  springs.list[springs.size++] = {.a = {}, .b = {.on = 0}, .k = 1, .g = 1, .l_0 = 5};
   ASSERT_EQ(validate(par), Invalid::nothing);
   run->step(100);
   EXPECT_EQ(run->out.fault, Fault::none);
@@ -346,8 +339,8 @@ TEST(Terms, KeepMomentum) {
     if (a.on == TermEnds::on_world) a.on = (run->par.terms.of<0>().list[s].b.on + 1) % 7;
   }
   const auto momentum = [&] {
-    Vec3 P = run->par.bodies[0].body.m * run->x.bodies[0].x.v_W;
-    for (std::size_t j = 0; j < 6; ++j) P += run->par.nodes.list[j].m * run->x.nodes[j].v_W;
+    Vec3 P = Vec3::Zero();
+    for (std::size_t i = 0; i < 7; ++i) P += run->par.bodies[i].body.m * run->x.bodies[i].x.v_W;
     return P;
   };
   const Vec3 before = momentum();
@@ -365,8 +358,6 @@ TEST(Terms, AreCheckedBeforeTheFirstStep) {
   };
   using Par = Params<Web<TrBdf2>>;
   EXPECT_EQ(validated([](Par&) {}), Invalid::nothing);
-  EXPECT_EQ(validated([](Par& par) { par.nodes.list[2].m = 0; }), Invalid::node);
-  EXPECT_EQ(validated([](Par& par) { par.nodes.size = 7; }), Invalid::node);
   EXPECT_EQ(validated([](Par& par) { par.terms.of<0>().list[1].k = -1; }), Invalid::term);
   EXPECT_EQ(validated([](Par& par) { par.terms.of<1>().list[0].b.on = 7; }), Invalid::term);
   EXPECT_EQ(validated([](Par& par) { par.terms.of<1>().list[0].b.on = TermEnds::on_world; }), Invalid::term);

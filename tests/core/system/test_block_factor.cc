@@ -10,10 +10,10 @@ namespace {
 using namespace block_graphs;
 
 constexpr std::size_t max_bodies = 64;
-using Free = BlockSystem<max_bodies, 0, max_bodies*(max_bodies - 1) / 2, 8 * max_bodies, false>;
+using Free = BlockSystem<max_bodies, max_bodies*(max_bodies - 1) / 2, 8 * max_bodies, false>;
 constexpr std::size_t most_jointed = 24;
 using Jointed =
-    BlockSystem<most_jointed, 0, most_jointed * most_jointed, most_jointed*(most_jointed - 1) / 2, true>;
+    BlockSystem<most_jointed, most_jointed * most_jointed, most_jointed*(most_jointed - 1) / 2, true>;
 
 #ifdef NDEBUG
 constexpr std::uint32_t large = max_bodies;

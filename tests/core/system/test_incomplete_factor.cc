@@ -13,9 +13,9 @@ namespace {
 using namespace block_graphs;
 
 constexpr std::size_t most = 12, most_pairs = most * (most - 1) / 2;
-using Few = BlockSystem<most, 0, most_pairs, 4, false>;  // blocks; a clique of twelve needs 66
-using Some = BlockSystem<most, 0, most_pairs, most, false>;
-using OnJoints = BlockSystem<most, 0, most_pairs, most, true>;
+using Few = BlockSystem<most, most_pairs, 4, false>;  // blocks; a clique of twelve needs 66
+using Some = BlockSystem<most, most_pairs, most, false>;
+using OnJoints = BlockSystem<most, most_pairs, most, true>;
 
 /// The bodies' own part of A: kinetic energy in velocities of their centres of mass.
 template <class System>
