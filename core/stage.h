@@ -76,7 +76,7 @@ void load_bodies(const Params<S>& par, std::size_t g, const RigidBodyStateOf<T>&
     w.contacts.stages[i] = {.A_ww = {{A_0[j], A_1[j], A_2[j]}},
                             .M = lane(translation.M, j),
                             .b = {.w = b_w_W[j], .v = b_v_W[j]},
-                            .is_held = lane(translation.M, j) > par.bodies[i].body.m};
+                            .m = par.bodies[i].body.m};
     w.contacts.x.V[i] = {.w = w_0[j], .v = v_0[j]};
     w.contacts.x.V_0[i] = {.w = Column(place.V.w), .v = Column(place.V.v)};
     owned.beyond_predicted = {.w = w_0[j].vec() - place.V.w, .v = v_0[j].vec() - place.V.v};

@@ -37,14 +37,16 @@ struct ContactLaw {
   Real c_t = 0;          // damping of a sticking contact point, N s/m; k_t and c_t are not both zero unless
                          // mu is
   Real push_out = 0.05;  // depenetration velocity, at which the rest penetration is relaxed, m/s
+  // damping in addition to c and c_t, in units of sqrt(m k), m: mass of the contact's lighter body
+  Real ratio = 0, ratio_t = 0;
 
   bool operator==(const ContactLaw&) const = default;
 };
 
 /// True if all numbers are finite and at least 0, and friction has a spring or a damper.
 inline bool is_valid(const ContactLaw& law) noexcept {
-  bool valid = law.mu == 0 || law.k_t > 0 || law.c_t > 0;
-  for (const Real a : {law.k, law.c, law.mu, law.k_t, law.c_t, law.push_out})
+  bool valid = law.mu == 0 || law.k_t > 0 || law.c_t > 0 || (law.ratio_t > 0 && law.k > 0);
+  for (const Real a : {law.k, law.c, law.mu, law.k_t, law.c_t, law.push_out, law.ratio, law.ratio_t})
     valid = valid && a >= 0 && a - a == 0;
   return valid;
 }
@@ -94,22 +96,24 @@ struct StageLawOf {
 };
 
 /// Returns the law of contacts in a stage of length h.
-/// m: mass of the lighter body. relaxation_time: time over which e is relaxed, s.
+/// m: mass of the lighter body, kg. M: the same in the stage, with couplings, kg.
+/// relaxation_time: time over which e is relaxed, s.
 /// on_world: the contact is with the world; its e may then be below the depth by any amount.
 template <class Contacts>
-StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real h, Real relaxation_time,
+StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real M, Real h, Real relaxation_time,
                            bool on_world) noexcept {
   constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const Real eta_t = h * law.k_t + law.c_t, per_eta_t = law.k_t > 0 ? 1 / eta_t : 0,
-             by = relaxation_time * law.push_out, stored = max_stored_penetration(law, m),
+  const Real unit = std::sqrt(m * law.k), c = law.c + law.ratio * unit, c_t = law.c_t + law.ratio_t * unit;
+  const Real eta_t = h * law.k_t + c_t, per_eta_t = law.k_t > 0 ? 1 / eta_t : 0,
+             by = relaxation_time * law.push_out, stored = max_stored_penetration(law, M),
              most = max_relaxation * stored;
   return {.k = law.k,
-          .eta_n = h * law.k + law.c,
-          .eta_n_h = law.k + law.c / h,
+          .eta_n = h * law.k + c,
+          .eta_n_h = law.k + c / h,
           .max_eta_t = eta_t,
           .v_per_xi = law.k_t * per_eta_t,
           .mu = law.mu,
-          .kept = law.c_t * per_eta_t,
+          .kept = c_t * per_eta_t,
           .given = h * per_eta_t,
           .max_decrease = Contacts::between_bodies ? std::min(by, most) : by,
           .max_lag = on_world ? infinity : std::min(max_pushed_steps * by, most),

@@ -147,10 +147,11 @@ template <class Contacts, std::size_t N>
                                             BodyContactScratch<Contacts, N>& w) noexcept {
   const NearContact& one = w.near.list[group.first];
   const bool on_world = !Contacts::between_bodies || group.pair == NearGroup::no_pair;
-  const Real m = on_world ? w.stages[one.a].M : std::min(w.stages[one.a].M, w.stages[one.b].M);
+  const BodyStage &a = w.stages[one.a], &b = w.stages[on_world ? one.a : one.b];
+  const Real m = std::min(a.m, b.m), M = std::min(a.M, b.M);
   GroupPlaces<Contacts, N> places(one.a, one.b, w.finder);
   const auto law = [&](const ContactLaw& of) noexcept {
-    return stage_law<Contacts>(of, m, h, w.stage.relaxation_time, on_world);
+    return stage_law<Contacts>(of, m, M, h, w.stage.relaxation_time, on_world);
   };
   const auto law_of_contact = [&](const NearContact& near) noexcept -> const ContactLaw& {
     return law_of(par, near);

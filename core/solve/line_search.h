@@ -142,7 +142,7 @@ template <class Contacts, std::size_t N>
 bool is_free_island(const Island& island, BodyContactScratch<Contacts, N>& w) noexcept {
   bool is = !island.has_terms;
   w.graph.each_body(island, [&](std::uint32_t i, const TouchingContacts& body) noexcept {
-    is = is && body.first_pack == body.end_pack && !w.stages[i].is_held;
+    is = is && body.first_pack == body.end_pack && !w.stages[i].is_held();
     if constexpr (Contacts::jointed) is = is && !w.graph.joints.edges[i].on_world();
   });
   return is;

@@ -133,8 +133,8 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
           r[j].setZero();
           v_W[j] = (of.v[one.a] - at_face(on, of.v)).vec();
           if (j >= near.size) continue;
-          laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one),
-                                        std::min(net.par.nodes[one.a].m, mass_at_face(on, of)), h,
+          const Real m = std::min(net.par.nodes[one.a].m, mass_at_face(on, of));
+          laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, m, h,
                                         w.stage.relaxation_time, false);
           of.carrier[i] = net.par.nodes[one.a].body;
           if (on.carrier != world && on.carrier != of.carrier[i])
@@ -146,9 +146,9 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
       r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(p_W - w.finder.at[one.b].p_W);
       v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
       if (j >= near.size) continue;
-      Real m = net.par.nodes[one.a].m;
-      if (!on_world) m = std::min(m, w.stages[one.b].M);
-      laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, h,
+      const Real m_a = net.par.nodes[one.a].m, m = on_world ? m_a : std::min(m_a, w.stages[one.b].m),
+                 M = on_world ? m_a : std::min(m_a, w.stages[one.b].M);
+      laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, M, h,
                                     w.stage.relaxation_time, on_world);
       of.carrier[4 * p + j] = net.par.nodes[one.a].body;
       if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);

@@ -63,9 +63,11 @@ struct WithNet : Contacts {
 ///   (34)  A_ww = (A + A^T) / 2,  b_w = b - S w_free
 struct BodyStage {
   Block A_ww;
-  Real M = 0;
+  Real M = 0;  // kg, with a coupling's share
   SpatialVector b;
-  bool is_held = false;  // true if a coupling acts on it
+  Real m = 0;  // mass of the body, kg
+
+  bool is_held() const noexcept { return M > m; }  // by a coupling
 };
 
 inline SpatialVector times(const BodyStage& stage, const SpatialVector& V) noexcept {

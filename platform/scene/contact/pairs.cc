@@ -179,20 +179,4 @@ const ContactConfig* contact_of(const SceneConfig& scene, const std::string& a, 
   return nullptr;
 }
 
-double lightest_of(const SceneConfig& scene, const std::vector<std::string>& materials) {
-  const auto is_one = [&](const auto& part) {
-    return std::ranges::find(materials, part.material) != materials.end();
-  };
-  std::optional<double> lightest;
-  for (const BodyConfig& body : scene.bodies)
-    if (std::ranges::any_of(body.spheres, is_one) || std::ranges::any_of(body.shapes, is_one))
-      lightest = std::min(lightest.value_or(body.mass), body.mass);
-  for (const NetConfig& net : scene.nets) {
-    if (node_uses(net).empty() || std::ranges::find(materials, net.material) == materials.end()) continue;
-    const double node = mean_node_mass(net);
-    if (node > 0) lightest = std::min(lightest.value_or(node), node);
-  }
-  return lightest.value_or(1);
-}
-
 }  // namespace godobject

@@ -50,10 +50,6 @@ std::vector<MaterialPair> pairs_that_meet(const SceneConfig& scene);
 /// Returns the scene's contact of these materials, in either order; null if there is none.
 const ContactConfig* contact_of(const SceneConfig& scene, const std::string& a, const std::string& b);
 
-/// Returns the smallest mass of a body with a sphere or shape of one of the materials, or of such a net's
-/// mean node, kg. Returns 1 if there is none.
-double lightest_of(const SceneConfig& scene, const std::vector<std::string>& materials);
-
 /// A mesh with the data required by queries, in storage of its own.
 class MeshSolid {
  public:

@@ -137,21 +137,40 @@ inline double damping_ratio_of(double restitution) {
   return 2 * high;
 }
 
-/// Visits a law; without its stiffness it is new, and a tangential gain that is not given is the normal one.
-/// mass: mass at which a damping ratio of one is critical, kg.
+/// Visits a damping as N s/m or as a ratio, of which at most one is given. is_new: it has no value yet.
 template <class V>
-void visit_law(V& v, double mass, ContactLaw& law) {
+void visit_damping(V& v, const Key& damping, const Key& damping_ratio, bool is_new, double& c,
+                   double& ratio) {
+  std::optional<double> given, given_ratio;
+  if (!is_new) (ratio > 0 ? given_ratio : given) = ratio > 0 ? ratio : c;
+  v.value(damping, given);
+  v.value(damping_ratio, given_ratio);
+  v.check(!given || !given_ratio, damping_ratio.name,
+          "and '" + std::string(damping.name) + "' give the same quantity: remove one of them");
+  if (!given && !given_ratio) return;
+  c = given.value_or(0);
+  ratio = given_ratio.value_or(0);
+}
+
+/// Visits a law; without its stiffness it is new, and a tangential gain that is not given is the normal one.
+template <class V>
+void visit_law(V& v, ContactLaw& law) {
   const bool is_new = law.k == 0;
   v.value(Key{"stiffness", "N/m", "normal stiffness k of each sphere; spheres that share a load add up",
               positive, true},
           law.k);
-  const double unit = std::sqrt(mass * law.k);
-  v.either(Key{"damping", "N s/m", "normal damping c", not_negative},
-           Key{"damping_ratio",
-               "",
-               "c / sqrt(m k), default 1.4, m of the lightest body of the two materials",
-               {0, 1e6}},
-           unit, default_contact_damping_ratio * unit, law.c);
+  if (is_new) law.ratio = default_contact_damping_ratio;
+  visit_damping(v,
+                Key{.name = "damping",
+                    .unit = "N s/m",
+                    .meaning = "normal damping c",
+                    .range = not_negative,
+                    .otherwise = "or `damping_ratio`"},
+                Key{"damping_ratio",
+                    "",
+                    "c / sqrt(m k), default 1.4, m: mass of the lighter body, or node, of each contact",
+                    {0, 1e6}},
+                is_new, law.c, law.ratio);
   double restitution = 1;
   v.shorthand(Key{"restitution",
                   "",
@@ -161,7 +180,7 @@ void visit_law(V& v, double mass, ContactLaw& law) {
   if (v.has("restitution")) {
     v.check(!v.has("damping") && !v.has("damping_ratio"), "restitution",
             "sets the damping, as 'damping' and 'damping_ratio' do: remove all but one");
-    law.c = unit * damping_ratio_of(restitution);
+    law.ratio = damping_ratio_of(restitution);
   }
   v.value(Key{"friction", "", "coefficient of friction mu", {0, 100}}, law.mu);
   if (is_new) law.k_t = law.k;
@@ -171,14 +190,19 @@ void visit_law(V& v, double mass, ContactLaw& law) {
               .range = not_negative,
               .otherwise = "`stiffness`"},
           law.k_t);
-  if (is_new) law.c_t = law.c;
-  v.value(Key{.name = "tangential_damping",
-              .unit = "N s/m",
-              .meaning = "c_t while sticking",
-              .range = not_negative,
-              .otherwise = "`damping`"},
-          law.c_t);
-  v.check(law.mu == 0 || law.k_t > 0 || law.c_t > 0, "tangential_stiffness",
+  if (is_new) {
+    law.c_t = law.c;
+    law.ratio_t = law.ratio;
+  }
+  visit_damping(v,
+                Key{.name = "tangential_damping",
+                    .unit = "N s/m",
+                    .meaning = "c_t while sticking, default `damping`",
+                    .range = not_negative,
+                    .otherwise = "or `tangential_damping_ratio`"},
+                Key{"tangential_damping_ratio", "", "c_t / sqrt(m k), default `damping_ratio`", {0, 1e6}},
+                is_new, law.c_t, law.ratio_t);
+  v.check(law.mu == 0 || law.k_t > 0 || law.c_t > 0 || law.ratio_t > 0, "tangential_stiffness",
           "and 'tangential_damping' must not both be zero if friction is above 0");
   v.value(Key{"push_out_speed", "m/s", "of bodies that start inside each other", positive}, law.push_out);
 }
@@ -207,7 +231,7 @@ void visit_contacts(V& v, SceneConfig& s) {
       t.advise(is_used(name), "materials", "has '" + name + "', which no sphere, shape, obstacle or net has");
     t.check(pairs.insert({c.materials.begin(), c.materials.end()}).second, "materials",
             "are those of an earlier [[contact]]");
-    visit_law(t, lightest_of(s, c.materials), c.law);
+    visit_law(t, c.law);
   });
   v.check(used.size() <= max_materials, "",
           "the scene has " + std::to_string(used.size()) + " materials; at most " +

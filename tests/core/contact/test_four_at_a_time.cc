@@ -97,7 +97,7 @@ struct Drawn {
       near[j].n_W = random.direction();
       near[j].p_W = random.vector();
       if (random.integer(0, 3) > 0) before[j] = drawn_memory(random, at, near[j].p_W, near[j].n_W);
-      laws[j] = stage_law<Contacts>(drawn_law(random), random.log_uniform(1e-3, 10), h, relaxation_time,
+      laws[j] = stage_law<Contacts>(drawn_law(random), 1, random.log_uniform(1e-3, 10), h, relaxation_time,
                                     random.integer(0, 1) > 0);
       v_W[j] = 0.1 * random.vector();
       rho[j] = random.uniform(0, 0.1);
@@ -199,7 +199,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
     memories.size = size;
     constexpr Real h = 1e-3;
     const ContactLaw law{.k = 1e4, .c = 10, .mu = 0.5, .k_t = 1e4, .c_t = 10};
-    const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1, h, h, true);
+    const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1, 1, h, h, true);
     const NearFour near(list.data(), size);
     const auto law_in_stage = [&](const NearContact&) -> const ContactLaw& { return law; };
     const StageLawOf<Pack> laws =
@@ -235,7 +235,7 @@ TEST(FourAtATime, LanesThatAreLeftBearNothing) {
 TEST(FourAtATime, OfANewContactOnlyWhatAnExtrapolationMeasuredIsPressed) {
   constexpr Real h = 1e-3, depth = 1e-3, v_n = -3;
   const ContactLaw law{.k = 1e6, .c = 1, .push_out = 0.01};
-  const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1e-5, h, h, false);
+  const StageLawOf<Real> of_stage = stage_law<Contacts>(law, 1e-5, 1e-5, h, h, false);
   std::array<NearContact, 4> list;
   for (std::uint32_t j = 0; j < 4; ++j) {
     list[j].key = j + 1;

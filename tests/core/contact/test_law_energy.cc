@@ -11,7 +11,7 @@ namespace {
 
 struct Pairing {
   ContactLaw law;
-  Real h;
+  Real h, m;
 };
 
 Pairing drawn(Random& random) {
@@ -20,7 +20,9 @@ Pairing drawn(Random& random) {
                  .mu = random.uniform(0, 2),
                  .k_t = random.uniform(0, 1) < 0.2 ? 0 : random.log_uniform(1, 1e9),
                  .c_t = random.log_uniform(1e-3, 1e5)};
-  return {.law = law, .h = random.log_uniform(1e-6, 1e-1)};
+  if (random.integer(0, 1) == 0) law.ratio = random.log_uniform(1e-3, 1e3);
+  if (random.integer(0, 1) == 0) law.ratio_t = random.log_uniform(1e-3, 1e3);
+  return {.law = law, .h = random.log_uniform(1e-6, 1e-1), .m = random.log_uniform(1e-6, 1e2)};
 }
 
 struct Bodies {
@@ -28,7 +30,7 @@ struct Bodies {
 };
 
 StageLawOf<Real> stage_law_of(const Pairing& pairing) {
-  return stage_law<Bodies>(pairing.law, 1, pairing.h, pairing.h, true);
+  return stage_law<Bodies>(pairing.law, pairing.m, pairing.m, pairing.h, pairing.h, true);
 }
 
 Real squared(Real a) { return a * a; }

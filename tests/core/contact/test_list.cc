@@ -237,8 +237,9 @@ TEST(ContactParams, NameABadSurface) {
 }
 
 TEST(ContactParams, NameABadLaw) {
-  for (Real ContactLaw::*const member : {&ContactLaw::k, &ContactLaw::c, &ContactLaw::mu, &ContactLaw::k_t,
-                                         &ContactLaw::c_t, &ContactLaw::push_out})
+  for (Real ContactLaw::*const member :
+       {&ContactLaw::k, &ContactLaw::c, &ContactLaw::mu, &ContactLaw::k_t, &ContactLaw::c_t,
+        &ContactLaw::push_out, &ContactLaw::ratio, &ContactLaw::ratio_t})
     for (const Real bad : {-1.0, std::nan(""), std::numeric_limits<Real>::infinity()})
       EXPECT_EQ(validated([&](BarParams& par) {
                   ContactLaw its = law;

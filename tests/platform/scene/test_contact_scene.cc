@@ -83,12 +83,13 @@ TEST(ContactScene, TellsTheCoreSpheresSurfacesAndLaws) {
   EXPECT_EQ(contacts.surfaces[0].shape.kind, ShapeKind::plane);
   const ContactLaw law = contacts.laws[contacts.surfaces[0].material][contacts.spheres[0].material];
   EXPECT_EQ(law.k, 1000);
-  EXPECT_DOUBLE_EQ(law.c, 1.4 * std::sqrt(0.0025 * 1000)) << "of the lightest body";
+  EXPECT_EQ(law.c, 0);
+  EXPECT_EQ(law.ratio, 1.4);
   EXPECT_EQ(law.mu, 0.3);
   EXPECT_EQ(law.k_t, law.k);
-  EXPECT_EQ(law.c_t, law.c);
-  const ContactLaw mirrored = contacts.laws[contacts.spheres[0].material][contacts.surfaces[0].material];
-  EXPECT_EQ(mirrored.c, law.c);
+  EXPECT_EQ(law.c_t, 0);
+  EXPECT_EQ(law.ratio_t, 1.4);
+  EXPECT_EQ(contacts.laws[contacts.spheres[0].material][contacts.surfaces[0].material], law);
 }
 
 TEST(ContactScene, DampingAndTangentAreTakenAsGiven) {
@@ -100,7 +101,29 @@ TEST(ContactScene, DampingAndTangentAreTakenAsGiven) {
   EXPECT_EQ(law.c, 3);
   EXPECT_EQ(law.k_t, 7);
   EXPECT_EQ(law.c_t, 0);
+  EXPECT_EQ(law.ratio, 0);
+  EXPECT_EQ(law.ratio_t, 0);
   EXPECT_EQ(law.push_out, 0.2);
+}
+
+TEST(ContactScene, DampingIsGivenAsANumberOrAsARatio) {
+  const auto law_with = [](const std::string& keys) {
+    return scene_contacts(loaded(scene_and_brick + board + contact("wood", "plastic", keys))).laws[0][1];
+  };
+  struct Case {
+    std::string keys;
+    double c, ratio, c_t, ratio_t;
+  };
+  for (const Case& of : {Case{"damping = 3\n", 3, 0, 3, 0}, Case{"damping_ratio = 3\n", 0, 3, 0, 3},
+                         Case{"tangential_damping = 3\n", 0, 1.4, 3, 0},
+                         Case{"damping = 3\ntangential_damping_ratio = 2\n", 3, 0, 0, 2},
+                         Case{"damping_ratio = 0\n", 0, 0, 0, 0}}) {
+    const ContactLaw law = law_with(of.keys);
+    EXPECT_EQ(law.c, of.c) << of.keys;
+    EXPECT_EQ(law.ratio, of.ratio) << of.keys;
+    EXPECT_EQ(law.c_t, of.c_t) << of.keys;
+    EXPECT_EQ(law.ratio_t, of.ratio_t) << of.keys;
+  }
 }
 
 TEST(ContactScene, LikeTakesAllButNamePlaceAndVelocity) {
@@ -156,8 +179,7 @@ TEST(ContactScene, EffectiveConfigurationReadsBackAsTheSame) {
   EXPECT_EQ(effective_config_toml(again), text);
   EXPECT_EQ(again.bodies[0].spheres[0].count, 3);
   EXPECT_EQ(again.obstacles[2].centres.size(), 2u);
-  EXPECT_EQ(again.contacts[0].law.c, scene.contacts[0].law.c);
-  EXPECT_EQ(again.contacts[0].law.k_t, scene.contacts[0].law.k_t);
+  EXPECT_EQ(again.contacts[0].law, scene.contacts[0].law);
 }
 
 TEST(ContactScene, APairWithoutALawIsNamedWithItsUses) {
@@ -191,12 +213,11 @@ TEST(ContactScene, SpheresOfOneToolDoNotMeet) {
 
 TEST(ContactScene, RestitutionSetsTheDamping) {
   const auto damping_at = [](const std::string& key) {
-    return scene_contacts(loaded(scene_and_brick + board + contact("wood", "plastic", key))).laws[0][1].c;
+    return scene_contacts(loaded(scene_and_brick + board + contact("wood", "plastic", key))).laws[0][1].ratio;
   };
-  const double unit = std::sqrt(0.0025 * 1000);
-  EXPECT_NEAR(damping_at("restitution = 1\n"), 0, 1e-12 * unit);
+  EXPECT_NEAR(damping_at("restitution = 1\n"), 0, 1e-12);
   // critical damping, c = 2 sqrt(k m), leaves exp(-2)
-  EXPECT_NEAR(damping_at("restitution = 0.1353352832366127\n"), 2 * unit, 1e-5 * unit);
+  EXPECT_NEAR(damping_at("restitution = 0.1353352832366127\n"), 2, 1e-5);
   EXPECT_GT(damping_at("restitution = 0.1\n"), damping_at("restitution = 0.2\n"));
   EXPECT_TRUE(std::isfinite(damping_at("restitution = 1e-9\n")));
 }

@@ -98,13 +98,12 @@ inline void set_stiffness(BodyConfig& body, double k, double k_r, double ratio =
       .k = k, .g = ratio * std::sqrt(body.mass * k), .k_r = k_r, .g_r = ratio * std::sqrt(I * k_r)};
 }
 
-/// Sets the contact law. ratio: c / sqrt(m k) of the lightest body, as in scene files.
+/// Sets the contact law. ratio: damping ratio, as in scene files.
 inline void set_contact(SceneConfig& scene, double k, double ratio, double mu) {
-  double m = scene.bodies.at(0).mass;
-  for (const BodyConfig& body : scene.bodies) m = std::min(m, body.mass);
   ContactLaw& law = scene.contacts.at(0).law;
   law.k = law.k_t = k;
-  law.c = law.c_t = ratio * std::sqrt(m * k);
+  law.c = law.c_t = 0;
+  law.ratio = law.ratio_t = ratio;
   law.mu = mu;
 }
 

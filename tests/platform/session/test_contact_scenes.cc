@@ -75,18 +75,25 @@ TEST(ContactScenes, BounceLeavesThePlaneAndStaysBelowWhereItBegan) {
   EXPECT_LT(highest_after, 0.05);
 }
 
-/// Thrown at a plane without gravity: the ball leaves at the given share of its speed. Implicit Euler damps
-/// its half period by pi / 2 h sqrt(k / m) more, 0.7 % here.
-TEST(ContactScenes, ABallReboundsWithTheRestitutionOfItsKey) {
+/// Returns a ball of a scene file, 1 mm above the plane z = 0.
+std::string ball(const std::string& name, double mass, double x, const std::string& velocity) {
+  return "[[body]]\nname = \"" + name + "\"\nmass = " + std::to_string(mass) +
+         "\ninertia = [4e-6, 4e-6, 4e-6]\nposition = [" + std::to_string(x) +
+         ", 0, 0.011]\nvelocity = " + velocity + "\n[[body.sphere]]\nradius = 0.01\n";
+}
+constexpr const char* ground =
+    "[[obstacle]]\nname = \"ground\"\nkind = \"plane\"\n[[contact]]\n"
+    "materials = [\"default\", \"default\"]\nstiffness = 5000\n";
+
+/// Thrown at a plane without gravity: balls of all masses leave at the given share of their speed. Implicit
+/// Euler damps a half period by pi / 2 h sqrt(k / m) more, 0.7 % of the heavier ball here.
+TEST(ContactScenes, BallsReboundWithTheRestitutionOfTheirKey) {
   for (const char* integrator : {"tr-bdf2", "implicit-euler"})
     for (const double restitution : {0.95, 0.7, 0.4, 0.2, 0.05}) {
       const LoadResult loaded = parse_scene(
-          "[scene]\nname = \"rebound\"\nstep = 2e-5\nintegrator = \"" + std::string(integrator) +
-              "\"\n[[body]]\nname = \"ball\"\nmass = 0.1\ninertia = [4e-6, 4e-6, 4e-6]\n"
-              "position = [0, 0, 0.011]\nvelocity = [0, 0, -0.5]\n[[body.sphere]]\nradius = 0.01\n"
-              "[[obstacle]]\nname = \"ground\"\nkind = \"plane\"\n[[contact]]\n"
-              "materials = [\"default\", \"default\"]\nstiffness = 5000\nrestitution = " +
-              std::to_string(restitution) + "\n",
+          "[scene]\nname = \"rebound\"\nstep = 2e-5\nintegrator = \"" + std::string(integrator) + "\"\n" +
+              ball("heavy", 0.1, 0, "[0, 0, -0.5]") + ball("light", 0.02, 1, "[0, 0, -0.5]") + ground +
+              "restitution = " + std::to_string(restitution) + "\n",
           "rebound.toml");
       ASSERT_THAT(loaded.errors, testing::IsEmpty());
       Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
@@ -94,9 +101,39 @@ TEST(ContactScenes, ABallReboundsWithTheRestitutionOfItsKey) {
       CycleRecord record = made.session->at_start();
       for (int n = 0; n < 5000; ++n) made.session->cycle(record);
       const double tolerance = loaded.scene->integrator == "tr-bdf2" ? 1e-3 : 0.008;
-      EXPECT_NEAR(record.bodies[0].V_WB.v.z() / 0.5, restitution, tolerance) << integrator;
+      for (std::size_t i = 0; i < 2; ++i)
+        EXPECT_NEAR(record.bodies[i].V_WB.v.z() / 0.5, restitution,
+                    tolerance * std::sqrt(0.1 / loaded.scene->bodies[i].mass))
+            << integrator << ", ball " << i;
       EXPECT_EQ(record.contacts.deepest, 0) << "it has left";
     }
+}
+
+/// A light ball that lies far away, before or after two others in the file, does not change how they bounce.
+TEST(ContactScenes, ALightBodyElsewhereChangesNoDamping) {
+  for (const char* integrator : {"tr-bdf2", "implicit-euler"}) {
+    const auto end = [&](bool before, bool after) {
+      const std::string light = ball("light", 1e-4, 100, "[0, 0, 1]");
+      const LoadResult loaded = parse_scene(
+          "[scene]\nname = \"elsewhere\"\nstep = 1e-4\nintegrator = \"" + std::string(integrator) + "\"\n" +
+              (before ? light : "") + ball("one", 0.1, 0, "[0.1, 0, -0.5]") +
+              ball("two", 0.05, 0.03, "[-0.1, 0, -0.5]") + (after ? light : "") + ground + "friction = 0.5\n",
+          "elsewhere.toml");
+      EXPECT_THAT(loaded.errors, testing::IsEmpty());
+      Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::direct);
+      EXPECT_TRUE(made.session);
+      CycleRecord record = made.session->at_start();
+      for (int n = 0; n < 2000; ++n) made.session->cycle(record);
+      const std::size_t first = before ? 1 : 0;
+      return std::array{record.bodies[first].V_WB, record.bodies[first + 1].V_WB};
+    };
+    const auto alone = end(false, false);
+    for (const auto& beside : {end(true, false), end(false, true)})
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_LT((alone[i].v - beside[i].v).norm(), 1e-12) << integrator << ", ball " << i;
+        EXPECT_LT((alone[i].w - beside[i].w).norm(), 1e-10) << integrator << ", ball " << i;
+      }
+  }
 }
 
 TEST(ContactScenes, PressIsItsReferenceCase) {

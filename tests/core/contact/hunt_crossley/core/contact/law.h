@@ -57,11 +57,11 @@ struct StageLawOf {
   T max_stored_penetration = 0;  // m (35)
 };
 template <class Contacts>
-StageLawOf<Real> stage_law(const ContactLaw& law, Real m, Real, Real relaxation_time, bool) noexcept {
+StageLawOf<Real> stage_law(const ContactLaw& law, Real, Real M, Real, Real relaxation_time, bool) noexcept {
   return {.k = law.k,
           .alpha = law.alpha,
           .max_decrease = relaxation_time * law.push_out,
-          .max_stored_penetration = max_stored_penetration(law, m)};
+          .max_stored_penetration = max_stored_penetration(law, M)};
 }
 template <class F>
 StageLawOf<Pack> each_number(F of) noexcept {
