@@ -142,9 +142,8 @@ Flight flight_of(const Params<S>& par, const FlyingGroup& flying, BodyOf body_of
 /// True if near contact k is with a face whose carrier is body i.
 template <class Net, std::size_t N>
 bool is_face_of(std::size_t i, std::size_t k, const NetStage<Net, N>& w) noexcept {
-  if constexpr (Net::max_faces > 0)
-    return w.near.list[k].b == NetContactTerm::on_net && w.faces.touching[k].carrier == i;
-  return false;
+  const FaceTouch* const face = w.touched_face(k);
+  return face != nullptr && face->carrier == i;
 }
 
 /// True if only its net and gravity act on the body: no device, joint, term or contact, and no contact of its

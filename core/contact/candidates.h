@@ -34,11 +34,7 @@ using NearContacts =
 template <std::size_t max_spheres, std::size_t max_surfaces>
 const ContactLaw& law_of(const ContactParams<max_spheres, max_surfaces>& par,
                          const NearContact& near) noexcept {
-  const auto material = [&](std::uint32_t number) noexcept {
-    return number < max_surfaces ? par.surfaces[number].material
-                                 : par.spheres[number - max_surfaces].material;
-  };
-  return par.law(material(near.of), material(near.on));
+  return par.law(par.material_of(near.of), par.material_of(near.on));
 }
 
 }  // namespace godobject

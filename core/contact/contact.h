@@ -43,6 +43,10 @@ struct ContactParams {
   std::array<std::array<ContactLaw, max_materials>, max_materials> laws;  // symmetric: [a][b] is [b][a]
 
   const ContactLaw& law(MaterialId a, MaterialId b) const noexcept { return laws[a][b]; }
+  /// Returns the material of a touched element: a surface, or a sphere numbered after them.
+  MaterialId material_of(std::uint32_t touched) const noexcept {
+    return touched < max_surfaces_ ? surfaces[touched].material : spheres[touched - max_surfaces_].material;
+  }
 };
 
 /// Report of a step on the contacts of the scene.

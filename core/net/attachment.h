@@ -30,6 +30,7 @@ void begin_attachments(const typename Net::Params& par, const Places& at, Real h
           .node = of.node,
           .body = on_world ? NetContactTerm::on_world : static_cast<std::uint32_t>(of.body),
           .carrier = par.nodes[of.node].body,
+          .face = {},
           .n = Column(Pack(0)),
           .r = Column(r),
           .a = h * (h_k + of.g),

@@ -114,18 +114,7 @@ struct CoupledSystem {
     }
     add_springs_product(net, v, AV.nodes);
     add_settling_product(net, v, AV.nodes);
-    for (std::size_t c = 0; c < net.num_contacts; ++c) {
-      const NetContactTerm& contact = net.contacts[c];
-      const bool on_body = contact.body != NetContactTerm::on_world;
-      Column x_dot = v[contact.node];
-      if (on_body) x_dot -= shifted(V.bodies[contact.body], contact.r).v;
-      const Column J = x_dot * contact.a + contact.n * (contact.b * dot(contact.n, x_dot));
-      AV.nodes[contact.node] += J;
-      if (on_body)
-        AV.bodies[contact.body] =
-            AV.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = J}, contact.r);
-    }
-    if constexpr (Stage::has_faces) add_faces_product(net, v, AV.nodes);
+    add_contacts_product(net, v, V, AV);
     // impulses on nodes also act on their carriers, except those of anchors
     each_carried(net, [&](const NetRun& run) noexcept {
       SpatialVector sum = SpatialVector::zero();

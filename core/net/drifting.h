@@ -14,9 +14,9 @@ void group_by_terms(NetStage<Net, N>& w) noexcept {
   auto& faces = w.faces;
   if (faces.num_drifting == 0) return;
   faces.active_group.separate(w.par->num_rows);
-  for (std::size_t c = 0; c < faces.num_terms; ++c) {
-    const std::size_t a = row_of_node(*w.par, faces.terms[c].node),
-                      b = row_of_node(*w.par, faces.terms[c].on.nodes[0]);
+  for (const NetContactTerm& contact : w.terms()) {
+    if (!contact.is_on_face()) continue;
+    const std::size_t a = row_of_node(*w.par, contact.node), b = row_of_node(*w.par, contact.face.nodes[0]);
     if (a < w.par->num_rows && b < w.par->num_rows) faces.active_group.join(a, b, w.par->num_rows);
   }
 }

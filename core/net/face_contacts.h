@@ -4,8 +4,8 @@
 #pragma once
 
 #include "core/joint/tree.h"
+#include "core/net/contact_terms.h"
 #include "core/net/drifting.h"
-#include "core/net/face_terms.h"
 #include "core/net/find_faces.h"
 
 namespace godobject {

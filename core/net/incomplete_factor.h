@@ -9,7 +9,7 @@
 // groups of NetParams, whose four nodes are processed at once.
 #pragma once
 
-#include "core/net/face_terms.h"
+#include "core/net/contact_terms.h"
 #include "core/net/settling.h"
 
 namespace godobject {
@@ -36,12 +36,6 @@ inline SymmetricPack eliminated(const SlotMass& K, const SymmetricPack& E) noexc
                   f[0] * u[1] - u[0] * e[1] - a_sq * E.off[2]}};
 }
 
-/// Returns the effective mass of a contact.
-inline SymmetricBlock effective_mass(const NetContactTerm& contact) noexcept {
-  SymmetricBlock K = outer_square(contact.n, contact.b);
-  return K += SymmetricBlock::multiple(contact.a);
-}
-
 /// Returns the blocks of a group's nodes, one per lane.
 template <std::size_t max_nodes>
 SymmetricPack in_lanes(const std::array<SymmetricBlock, max_nodes>& A, const NodeGroup& group) noexcept {
@@ -52,9 +46,11 @@ SymmetricPack in_lanes(const std::array<SymmetricBlock, max_nodes>& A, const Nod
 /// Adds the effective masses of all contacts at their nodes.
 template <class Net, std::size_t N>
 void add_masses_of_contacts(NetStage<Net, N>& w) noexcept {
-  for (std::size_t c = 0; c < w.num_contacts; ++c)
-    w.of_contacts[w.contacts[c].node] += effective_mass(w.contacts[c]);
-  add_faces_to_nodes(w);
+  for (const NetContactTerm& contact : w.terms())
+    each_node(contact, [&](std::uint32_t n, Real share) noexcept {
+      SymmetricBlock K = outer_square(contact.n, share * contact.b);
+      w.of_contacts[n] += (K += SymmetricBlock::multiple(share * contact.a));
+    });
 }
 
 /// Factors the nodes with their springs, anchors and contacts.
@@ -84,21 +80,19 @@ void factor_nodes(NetStage<Net, N>& w) noexcept {
 /// Updates D^-1 of the groups with contacts.
 template <class Net, std::size_t N>
 void renew_inverses(NetStage<Net, N>& w) noexcept {
-  const auto renew = [&](std::uint32_t n) noexcept {
+  const auto renew = [&](std::uint32_t n, Real) noexcept {
     const std::uint32_t g = w.par->places[n].group;
     const NodeGroup& group = w.par->groups[g];
     w.D_inverse[g] = inverse(in_lanes(w.D, group) + in_lanes(w.of_contacts, group));
   };
-  for (std::size_t c = 0; c < w.num_contacts; ++c) renew(w.contacts[c].node);
-  each_node_at_faces(w, renew);
+  for (const NetContactTerm& contact : w.terms()) each_node(contact, renew);
 }
 /// Removes the contacts of nodes from their D; below, adds them. Their effect on other D remains as factored.
 /// The preconditioner stays valid, because D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
 void remove_contacts_from_factor(NetStage<Net, N>& w) noexcept {
-  const auto remove = [&](std::uint32_t n) noexcept { w.of_contacts[n] = SymmetricBlock::zero(); };
-  for (std::size_t c = 0; c < w.num_contacts; ++c) remove(w.contacts[c].node);
-  each_node_at_faces(w, remove);
+  const auto remove = [&](std::uint32_t n, Real) noexcept { w.of_contacts[n] = SymmetricBlock::zero(); };
+  for (const NetContactTerm& contact : w.terms()) each_node(contact, remove);
   renew_inverses(w);
 }
 /// Adds the contacts of nodes to D, after the previous ones were removed. A node may have several.

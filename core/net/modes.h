@@ -33,14 +33,11 @@ Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real 
       return m > 0 ? share * h / (m + std::max(held, Real(0))) : 0;  // otherwise the direction is undefined
     };
     give.set(j, of_node(n, 1));
-    if constexpr (NetStage<Net, N>::has_faces) {
-      if (w.near.list[4 * pack + j].b != NetContactTerm::on_net) continue;
-      const FaceTouch& on = w.faces.touching[4 * pack + j];
+    if (const FaceTouch* on = w.touched_face(4 * pack + j))
       for (std::size_t i = 0; i < 3; ++i) {
-        const Real weight = on.weights[static_cast<Eigen::Index>(i)];
-        give.set(j, give[j] + of_node(on.nodes[i], weight * weight));
+        const Real weight = on->weights[static_cast<Eigen::Index>(i)];
+        give.set(j, give[j] + of_node(on->nodes[i], weight * weight));
       }
-    }
   }
   return give;
 }
@@ -61,11 +58,8 @@ Vector3<Pack> start_less_predicted(std::size_t pack, const NetStage<Net, N>& w) 
   for (std::size_t j = 0; j < 4 && 4 * pack + j < w.near.size; ++j) {
     const std::uint32_t n = w.near.list[4 * pack + j].a;
     Column of_node = w.v_free[n] - w.by_gravity - w.v[n];
-    if constexpr (NetStage<Net, N>::has_faces)
-      if (w.near.list[4 * pack + j].b == NetContactTerm::on_net) {
-        const FaceTouch& on = w.faces.touching[4 * pack + j];
-        of_node -= at_face(on, w.v_free) - w.by_gravity - at_face(on, w.v);
-      }
+    if (const FaceTouch* on = w.touched_face(4 * pack + j))
+      of_node -= at_face(*on, w.v_free) - w.by_gravity - at_face(*on, w.v);
     set_lane(change, j, of_node.vec());
   }
   return change;

@@ -23,41 +23,43 @@ struct NetRun {
   bool holds(std::uint32_t n) const noexcept { return first <= n && n < end; }
 };
 
-/// Contact or attachment of a node in the system: effective mass a 1 + b n n^T for the velocity of the node
-/// relative to the body. Acts at r from the body's centre of mass.
-struct NetContactTerm {
-  static constexpr std::uint32_t on_world = ~std::uint32_t(0), on_net = on_world - 1;
-  std::uint32_t node = 0, body = on_world;
-  std::size_t carrier = world;  // carrier of the node
-  Column n, r;
-  Real a = 0, b = 0;
-  Column J;  // impulse on the node at zero velocity relative to the body
-};
-
 /// Place of a face, as that of a body: its centre, and its axes as columns.
 struct FacePlace {
   Vec3 p_W = Vec3::Zero();
   Mat3 R_W = Mat3::Identity();
 };
 
-/// Point of a face that a node touches.
-struct FaceTouch {
-  std::uint32_t face = 0;
+/// Point of a face: the weighted sum of its nodes.
+struct PointOfFace {
   std::array<std::uint32_t, 3> nodes{};
   Vec3 weights = Vec3::Zero();
-  std::size_t carrier = world;  // of the face's nodes
+  std::size_t carrier = world;  // of the nodes
+};
+/// Point of a face that a node touches.
+struct FaceTouch : PointOfFace {
+  std::uint32_t face = 0;
   // places at the predicted nodes: of the face, and of that in whose axes the memory has its anchor (51)
   FacePlace at_face, at_memory_face;
 };
 
-/// Contact of a node with a face in the system (60): effective mass a 1 + b n n^T.
-struct NetFaceTerm {
-  std::uint32_t node = 0;
-  std::size_t carrier = world;  // of the node
-  FaceTouch on;
-  Column n;
+/// Contact or attachment of a node in the system: effective mass a 1 + b n n^T for the velocity of the node
+/// relative to the body or face.
+struct NetContactTerm {
+  static constexpr std::uint32_t on_world = ~std::uint32_t(0), on_net = on_world - 1;
+  std::uint32_t node = 0, body = on_world;
+  std::size_t carrier = world;  // carrier of the node
+  PointOfFace face;             // touched point if body is on_net
+  Column n, r;                  // r: from the centre of mass of the touched body
   Real a = 0, b = 0;
   Column J;  // impulse on the node at zero relative velocity
+
+  bool is_on_body() const noexcept { return body < on_net; }
+  bool is_on_face() const noexcept { return body == on_net; }
+  /// Returns the body that is touched, or the carrier of the touched face; world if neither exists.
+  std::size_t touched() const noexcept {
+    if (is_on_face()) return face.carrier;
+    return is_on_body() ? body : world;
+  }
 };
 
 /// Box of a range of faces, or of a node, over their way in a stage.
@@ -105,8 +107,6 @@ struct FaceStage {
   std::array<PatchBox, Net::max_nodes / 2 + 1> patch_boxes;
   std::array<Real, Net::max_nodes> depth;
   std::array<FaceTouch, Net::max_contacts> touching;  // by near contact
-  std::array<NetFaceTerm, Net::max_contacts> terms;
-  std::size_t num_terms = 0;
   // rows that touch each other or themselves and nothing else; group: by near contacts in the step so far
   RowGroups<Net::max_nodes / 2 + 1> group, active_group;
   std::array<bool, Net::max_nodes / 2 + 1> drifts, touches, is_held;  // touches, is_held: in the step so far
@@ -117,9 +117,7 @@ struct FaceStage {
   std::array<Column, Net::max_nodes> drift;  // by node: velocity of its group as a whole; otherwise zero
 };
 template <class Net>
-struct FaceStage<Net, false> {
-  static constexpr std::size_t num_terms = 0;
-};
+struct FaceStage<Net, false> {};
 
 /// Pair of a carrier and a body that its nodes touch.
 struct NetPair {
@@ -219,6 +217,13 @@ struct NetStage {
   NetReport report;
 
   std::span<const NodeGroup> groups() const noexcept { return {par->groups.data(), par->num_groups}; }
+  /// Returns the face that near contact i touches; null if it touches none.
+  const FaceTouch* touched_face([[maybe_unused]] std::size_t i) const noexcept {
+    if constexpr (has_faces)
+      if (near.list[i].b == NetContactTerm::on_net) return &faces.touching[i];
+    return nullptr;
+  }
+  std::span<const NetContactTerm> terms() const noexcept { return {contacts.data(), num_contacts}; }
   std::span<NetContactTerm> attached() noexcept { return {contacts.data(), num_attachments}; }
   std::span<const NetContactTerm> attached() const noexcept { return {contacts.data(), num_attachments}; }
 };

@@ -26,18 +26,19 @@ void find_standing(NetStage<Net, N>& w) noexcept {
     of.E = Block::identity() * m;
   }
   if (is_none) return;
-  const auto stop = [&](std::uint32_t n) noexcept {
+  const auto stop = [&](std::uint32_t n, Real) noexcept {
     const std::size_t k = row_of_node(par, n);
     if (k < par.num_rows) w.rows[k].stands = false;
   };
-  for (std::size_t c = 0; c < w.num_contacts; ++c) {
-    const NetContactTerm& contact = w.contacts[c];
+  for (const NetContactTerm& contact : w.terms()) {
+    if (contact.body != NetContactTerm::on_world) {
+      each_node(contact, stop);
+      continue;
+    }
     const std::size_t k = row_of_node(par, contact.node);
     if (k == par.num_rows || !w.rows[k].stands) continue;
-    if (contact.body != NetContactTerm::on_world) stop(contact.node);
-    else w.rows[k].E += Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
+    w.rows[k].E += Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
   }
-  each_node_at_faces(w, stop);
   for (std::size_t k = 0; k < par.num_rows; ++k) {
     if (!w.rows[k].stands) continue;
     Mat3 A;

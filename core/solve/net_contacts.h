@@ -19,16 +19,13 @@ struct NetInput {
 template <class Contacts, class Net>
 const ContactLaw& law_of(const typename Contacts::Params& contacts, const typename Net::Params& net,
                          const NearContact& near) noexcept {
-  constexpr std::size_t max_surfaces = std::tuple_size_v<decltype(Contacts::Params::surfaces)>;
   if constexpr (Net::max_faces > 0) {
     constexpr std::uint32_t first = first_face_number<Contacts>;
     if (near.on >= first)
       return contacts.law(net.nodes[near.a].material,
                           net.nodes[net.faces.list[near.on - first].nodes[0]].material);
   }
-  const MaterialId other = near.on < max_surfaces ? contacts.surfaces[near.on].material
-                                                  : contacts.spheres[near.on - max_surfaces].material;
-  return contacts.law(net.nodes[near.a].material, other);
+  return contacts.law(net.nodes[near.a].material, contacts.material_of(near.on));
 }
 
 /// Returns the velocity of a node from carrier-relative velocities.
@@ -40,7 +37,7 @@ Column velocity_of_node(const V& of, std::uint32_t n, std::size_t carrier, const
 }
 /// Returns the velocity of the point of a face from carrier-relative velocities.
 template <class V, class Stage>
-Column velocity_at_face(const V& of, const FaceTouch& on, const Stage& w) noexcept {
+Column velocity_at_face(const V& of, const PointOfFace& on, const Stage& w) noexcept {
   Column v(Pack(0));
   for (std::size_t m = 0; m < 3; ++m)
     v += velocity_of_node(of, on.nodes[m], on.carrier, w) * on.weights[static_cast<Eigen::Index>(m)];
@@ -56,14 +53,8 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
     for (std::size_t j = 0; j < 4 && 4 * p + j < w.near.size; ++j) {
       const NearContact& near = w.near.list[4 * p + j];
       Column v = velocity_of_node(of, near.a, w.carrier[4 * p + j], w);
-      if constexpr (Stage::has_faces) {
-        if (near.b == NetContactTerm::on_net) {
-          v -= velocity_at_face(of, w.faces.touching[4 * p + j], w);
-          set_lane(velocity.v, j, v.vec());
-          continue;
-        }
-      }
-      if (near.b != NetContactTerm::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
+      if (const FaceTouch* on = w.touched_face(4 * p + j)) v -= velocity_at_face(of, *on, w);
+      else if (near.b != NetContactTerm::on_world) v -= shifted(of[near.b], Column(lane(c.r, j))).v;
       set_lane(velocity.v, j, v.vec());
     }
     f(c, velocity);
@@ -74,29 +65,20 @@ void each_net_pack(const V& of, Stage& w, F f) noexcept {
 /// predicted end of the stage. Nodes have no attitude: their anchors (51) turn with the touched body or face.
 /// face: the face in whose axes the anchors are.
 template <class Contacts, std::size_t N>
-ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, [[maybe_unused]] std::size_t p,
-                                      const Vector3<Pack>& p_W, [[maybe_unused]] FacePlace FaceTouch::*face,
+ContactPlacesOf<Pack> places_of_nodes(const NearFour& near, std::size_t p, const Vector3<Pack>& p_W,
+                                      FacePlace FaceTouch::*face,
                                       const BodyContactScratch<Contacts, N>& w) noexcept {
   const TreePlace at_origin{};
-  constexpr bool has_faces = Contacts::Net::max_faces > 0;
-  [[maybe_unused]] std::conditional_t<has_faces, std::array<TreePlace, 4>, None> of_faces;
-  if constexpr (has_faces)
-    for (std::size_t j = 0; j < near.size; ++j)
-      if (near.of[j]->b == NetContactTerm::on_net) {
-        const FacePlace& at = w.net.faces.touching[4 * p + j].*face;
-        of_faces[j].p_W = at.p_W;
-        of_faces[j].R_WB = at.R_W;
-      }
-  const auto at = [&](std::size_t j) -> const TreePlace& {
-    const std::uint32_t b = near.of[j]->b;
-    if constexpr (has_faces)
-      if (b == NetContactTerm::on_net) return of_faces[std::min<std::size_t>(j, near.size - 1)];
-    return b == NetContactTerm::on_world ? at_origin : w.finder.at[b];
+  const auto of_touched = [&]<class T>(T FacePlace::*of_face, T TreePlace::*of_body) noexcept {
+    return gathered(lanes_of_four, [&](std::size_t j) -> const T& {
+      const std::uint32_t b = near.of[j]->b;
+      if (const FaceTouch* on = w.net.touched_face(4 * p + std::min<std::size_t>(j, near.size - 1)))
+        return (on->*face).*of_face;
+      return (b == NetContactTerm::on_world ? at_origin : w.finder.at[b]).*of_body;
+    });
   };
-  const Matrix3<Pack> R = gathered(lanes_of_four, [&](std::size_t j) -> const Mat3& { return at(j).R_WB; });
-  return {.R_a = R, .R_b = R, .p_a = p_W, .p_b = gathered(lanes_of_four, [&](std::size_t j) -> const Vec3& {
-                                            return at(j).p_W;
-                                          })};
+  const Matrix3<Pack> R = of_touched(&FacePlace::R_W, &TreePlace::R_WB);
+  return {.R_a = R, .R_b = R, .p_a = p_W, .p_b = of_touched(&FacePlace::p_W, &TreePlace::p_W)};
 }
 /// Returns the positions of four nodes in contact.
 template <class Net>
@@ -125,33 +107,32 @@ void begin_net_contacts(const typename Contacts::Params& par, const NetInput<typ
     const Vector3<Pack> nodes_W = positions_of_nodes<typename Contacts::Net>(net.par, near);
     for (std::uint32_t j = 0; j < 4; ++j) {
       const NearContact& one = *near.of[j];
+      const std::size_t i = 4 * p + std::min(j, near.size - 1), carrier = net.par.nodes[one.a].body;
+      const FaceTouch* const on = of.touched_face(i);
       const bool on_world = one.b == NetContactTerm::on_world;
-      if constexpr (Contacts::Net::max_faces > 0) {
-        if (one.b == NetContactTerm::on_net) {
-          const std::size_t i = 4 * p + std::min(j, near.size - 1);
-          const FaceTouch& on = of.faces.touching[i];
-          r[j].setZero();
-          v_W[j] = (of.v[one.a] - at_face(on, of.v)).vec();
-          if (j >= near.size) continue;
-          const Real m = std::min(net.par.nodes[one.a].m, mass_at_face(on, of));
-          laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, m, h,
-                                        w.stage.relaxation_time, false);
-          of.carrier[i] = net.par.nodes[one.a].body;
-          if (on.carrier != world && on.carrier != of.carrier[i])
-            find_pair(static_cast<std::uint32_t>(of.carrier[i]), static_cast<std::uint32_t>(on.carrier), of);
-          continue;
+      Real m = net.par.nodes[one.a].m, M = m;
+      std::size_t touched = world;
+      r[j].setZero();
+      if (on != nullptr) {
+        v_W[j] = (of.v[one.a] - at_face(*on, of.v)).vec();
+        m = M = std::min(m, mass_at_face(*on, of));
+        touched = on->carrier;
+      } else {
+        const Vec3 p_W = lane(nodes_W, j);
+        v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
+        if (!on_world) {
+          r[j] = p_W - w.finder.at[one.b].p_W;
+          m = std::min(m, w.stages[one.b].m);
+          M = std::min(M, w.stages[one.b].M);
+          touched = one.b;
         }
       }
-      const Vec3 p_W = lane(nodes_W, j);
-      r[j] = on_world ? Vec3(Vec3::Zero()) : Vec3(p_W - w.finder.at[one.b].p_W);
-      v_W[j] = of.v[one.a].vec() - velocity_at(w.finder, one.b, p_W);
       if (j >= near.size) continue;
-      const Real m_a = net.par.nodes[one.a].m, m = on_world ? m_a : std::min(m_a, w.stages[one.b].m),
-                 M = on_world ? m_a : std::min(m_a, w.stages[one.b].M);
       laws[j] = stage_law<Contacts>(law_of<Contacts, typename Contacts::Net>(par, net.par, one), m, M, h,
                                     w.stage.relaxation_time, on_world);
-      of.carrier[4 * p + j] = net.par.nodes[one.a].body;
-      if (!on_world) find_pair(static_cast<std::uint32_t>(net.par.nodes[one.a].body), one.b, of);
+      of.carrier[i] = carrier;
+      if (touched != world && touched != carrier)
+        find_pair(static_cast<std::uint32_t>(carrier), static_cast<std::uint32_t>(touched), of);
     }
     const ContactPlacesOf<Pack> places = places_of_nodes(near, p, nodes_W, &FaceTouch::at_memory_face, w);
     ContactStartOf<Pack> start{
@@ -209,7 +190,6 @@ void shift_net_contacts(const Twists& V_p, Real h, NetStage<Net, N>& w) noexcept
 template <class Net, std::size_t N>
 void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
   w.num_contacts = w.num_attachments;
-  if constexpr (Net::max_faces > 0) w.faces.num_terms = 0;
   for (std::size_t i = 0; i < w.near.size; ++i) {
     const ContactPack& c = w.packs[i / 4];
     const std::size_t j = i % 4;
@@ -218,21 +198,11 @@ void gather_net_contacts(Real h, NetStage<Net, N>& w) noexcept {
     const Vec3 n = lane(c.n, j);
     const Column J(
         Vec3(n * (h * c.active[j] * c.F_0[j]) - lane(c.v_xi, j) * a - lane(c.u, j) * (h * c.f_slip[j])));
-    if constexpr (Net::max_faces > 0) {
-      if (w.near.list[i].b == NetContactTerm::on_net) {
-        w.faces.terms[w.faces.num_terms++] = {.node = w.near.list[i].a,
-                                              .carrier = w.carrier[i],
-                                              .on = w.faces.touching[i],
-                                              .n = Column(n),
-                                              .a = a,
-                                              .b = b,
-                                              .J = J};
-        continue;
-      }
-    }
+    const FaceTouch* const face = w.touched_face(i);
     w.contacts[w.num_contacts++] = {.node = w.near.list[i].a,
                                     .body = w.near.list[i].b,
                                     .carrier = w.carrier[i],
+                                    .face = face != nullptr ? PointOfFace(*face) : PointOfFace{},
                                     .n = Column(n),
                                     .r = Column(lane(c.r, j)),
                                     .a = a,
@@ -249,20 +219,7 @@ void load_impulses(BodyContactScratch<Contacts, N>& w) noexcept {
   auto& net = w.net;
   w.system.each([&](std::uint32_t u) noexcept { b.bodies[u] = w.system.b[u]; });
   for (std::uint32_t n = 0; n < net.num_nodes; ++n) b.nodes[n] = net.b[n];
-  for (std::size_t c = 0; c < net.num_contacts; ++c) {
-    const NetContactTerm& contact = net.contacts[c];
-    b.nodes[contact.node] += contact.J;
-    if (contact.body != NetContactTerm::on_world)
-      b.bodies[contact.body] =
-          b.bodies[contact.body] - moved_wrench({.w = Column(Pack(0)), .v = contact.J}, contact.r);
-  }
-  if constexpr (Contacts::Net::max_faces > 0) {
-    for (std::size_t c = 0; c < net.faces.num_terms; ++c) {
-      const NetFaceTerm& term = net.faces.terms[c];
-      b.nodes[term.node] += term.J;
-      subtract_at_face(term.on, term.J, b.nodes);
-    }
-  }
+  for (const NetContactTerm& contact : net.terms()) add_impulse(contact, contact.J, b.nodes, b.bodies);
   each_carried(net, [&](const NetRun& run) noexcept {
     SpatialVector sum = SpatialVector::zero();
     for (std::uint32_t n = run.first; n < run.end; ++n)
@@ -284,49 +241,28 @@ void load_carrier_relative(BodyContactScratch<Contacts, N>& w) noexcept {
     w.system.add(static_cast<std::uint32_t>(run.body), net.prestress[run.body]);
     w.system.add(static_cast<std::uint32_t>(run.body), inertia_of(net, run));
   });
-  for (std::size_t c = 0; c < net.num_contacts; ++c) {
-    const NetContactTerm& contact = net.contacts[c];
+  for (const NetContactTerm& contact : net.terms()) {
     const Block A = Block::identity() * contact.a + outer(contact.n * contact.b, contact.n);
-    const std::size_t carrier = contact.carrier;
-    if (carrier != world) w.system.add(static_cast<std::uint32_t>(carrier), on_point(A, net.r[contact.node]));
-    if (contact.body == NetContactTerm::on_world) continue;
-    w.system.add(contact.body, on_point(A, contact.r));
-    if (carrier == world) continue;
-    for (std::size_t k = 0; k < net.num_pairs; ++k) {
-      const NetPair& pair = net.pairs[k];
-      if (pair.carrier != carrier || pair.touched != contact.body || pair.entry == no_slot) continue;
-      // effective mass for the velocity of the carrier's point relative to the body's
-      const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = A};
-      w.system.add_to_factor(pair.entry, shifted(coupling(at_end, net.r[contact.node]), contact.r));
-    }
-  }
-  if constexpr (Contacts::Net::max_faces > 0) load_carriers_at_faces(w, on_point);
-}
-
-/// Adds the contacts with faces to E of (44): those of the carriers of the node and of the face.
-template <class Contacts, std::size_t N, class OnPoint>
-void load_carriers_at_faces(BodyContactScratch<Contacts, N>& w, OnPoint on_point) noexcept {
-  const auto& net = w.net;
-  for (std::size_t c = 0; c < net.faces.num_terms; ++c) {
-    const NetFaceTerm& term = net.faces.terms[c];
-    const Block A = Block::identity() * term.a + outer(term.n * term.b, term.n);
-    const std::size_t carrier = term.carrier, other = term.on.carrier;
-    const Column r = net.r[term.node], r_face = at_face(term.on, net.r);
-    if (carrier == other) {
+    const std::size_t carrier = contact.carrier, touched = contact.touched();
+    const Column r = net.r[contact.node],
+                 r_touched = contact.is_on_face() ? at_face(contact.face, net.r) : contact.r;
+    if (contact.is_on_face() && carrier == touched) {
       if (carrier == world) continue;
       // the carrier moves both, except where it turns
-      const SymmetricSpatialMatrix turning = on_point(A, r - r_face);
+      const SymmetricSpatialMatrix turning = on_point(A, r - r_touched);
       w.system.add(static_cast<std::uint32_t>(carrier),
                    {.ww = turning.ww, .wv = Block::zero(), .vv = Block::zero()});
       continue;
     }
     if (carrier != world) w.system.add(static_cast<std::uint32_t>(carrier), on_point(A, r));
-    if (other != world) w.system.add(static_cast<std::uint32_t>(other), on_point(A, r_face));
+    if (touched == world) continue;
+    w.system.add(static_cast<std::uint32_t>(touched), on_point(A, r_touched));
     for (std::size_t k = 0; k < net.num_pairs; ++k) {
       const NetPair& pair = net.pairs[k];
-      if (pair.carrier != carrier || pair.touched != other || pair.entry == no_slot) continue;
+      if (pair.carrier != carrier || pair.touched != touched || pair.entry == no_slot) continue;
+      // effective mass for the velocity of the carrier's point relative to the touched one
       const SymmetricSpatialMatrix at_end{.ww = Block::zero(), .wv = Block::zero(), .vv = A};
-      w.system.add_to_factor(pair.entry, shifted(coupling(at_end, r), r_face));
+      w.system.add_to_factor(pair.entry, shifted(coupling(at_end, r), r_touched));
     }
   }
 }

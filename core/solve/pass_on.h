@@ -34,10 +34,8 @@ std::uint32_t end_of_node(std::uint32_t node, const BodyContactScratch<Contacts,
 /// Returns the end that near contact k of nets touches: a body, the world, or the end of a face.
 template <class Contacts, std::size_t N>
 std::uint32_t touched_end(std::size_t k, const BodyContactScratch<Contacts, N>& w) noexcept {
-  if constexpr (Contacts::Net::max_faces > 0)
-    if (w.net.near.list[k].b == NetContactTerm::on_net)
-      return end_of_node(w.net.faces.touching[k].nodes[0], w);
-  return w.net.near.list[k].b;
+  const FaceTouch* const face = w.net.touched_face(k);
+  return face != nullptr ? end_of_node(face->nodes[0], w) : w.net.near.list[k].b;
 }
 
 /// Calls f(link) for all near contacts and attachments. End a of a link is never the world.
@@ -141,11 +139,9 @@ void add_to_link(const Link& link, std::uint32_t i, const Vec3& F_W,
     // a missing force acts on a body at its centre of mass
     const std::uint32_t carrier = end_of_node(one.a, w);
     if (carrier < N) w.wrenches[carrier].tau -= w.net.r[one.a].vec().cross(on_node);
-    if constexpr (Contacts::Net::max_faces > 0) {
-      if (one.b != NetContactTerm::on_net) return;
-      const FaceTouch& on = w.net.faces.touching[number(one)];
-      if (on.carrier < N) w.wrenches[on.carrier].tau += at_face(on, w.net.r).vec().cross(on_node);
-    }
+    const FaceTouch* const on = w.net.touched_face(number(one));
+    if (on != nullptr && on->carrier < N)
+      w.wrenches[on->carrier].tau += at_face(*on, w.net.r).vec().cross(on_node);
   }
 }
 
