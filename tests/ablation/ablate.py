@@ -26,17 +26,18 @@ from mechanisms import MECHANISMS
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 OUT = SOURCE / "build/ablation"
+PROGRAMS = ["map", *programs.TESTS]
 # Changes of integers, and of numbers without a zero or an infinity.
 VALUES = {
     "max_joint_iterations": [0, 2, 24], "substep_ratio": [16, 2], "max_substeps": [4, 64], "max_substeps_with_nets": [16, 256],
-    "max_iterations_with_acceleration": [0, 8], "max_advances": [0, 10, 96], "max_newton_iterations": [5, 48],
-    "max_newton_iterations_on_joints": [10, 96], "max_line_steps": [0, 5, 48], "max_cg_iterations_searching": [1, 9],
+    "max_advances": [0, 10, 96], "max_newton_iterations": [5, 48],
+    "max_line_steps": [0, 5, 48], "max_cg_iterations_searching": [1, 9],
     "max_cg_iterations": [2, 24], "node_strips": [1, 24], "nodes_looked_ahead": [1, 16], "net_iteration_divisor": [1, 6],
     "bridged_steps": [0, 1, 9], "max_scale": [1, 6], "FrictionAgainstTheWorld.by_tangent": [0, 12],
     "FrictionAgainstTheWorld.by_secant": [0, 6], "FrictionAmongBodies.by_tangent": [], "FrictionAmongBodies.by_secant": [0, 1, 15],
     "FrictionAgainstTheWorld.min_friction_change": [1e-3], "gain_window": [0.1, 10], "rigid_mass_ratio": [3e5, 3e6, 1e9],
     "same_normal": [0.9, 0.9999], "same_contact": [0, 0.9], "cell_radius_sq": [1, 3],
-    "anisotropy_share": [0, 0.9, 1], "min_twist_share": [0, 0.75], "max_iterated_turn": [0.5, 1, 1e9],
+    "min_twist_share": [0, 0.75], "max_iterated_turn": [0.5, 1, 1e9],
 }
 
 
@@ -49,6 +50,8 @@ def changes(name, value):
 
 def all_ablations(numbers, quick):
     """[(name in results, setting of GODOBJECT_ABLATION)]"""
+    if unknown := VALUES.keys() - numbers.keys():
+        sys.exit(f"ablate: VALUES has {', '.join(sorted(unknown))}, which core/tuning.h has not")
     ablations = [(name, name) for name, *_ in MECHANISMS]
     for name, value in numbers.items():
         values = changes(name, value)
@@ -93,21 +96,22 @@ def run_map(environment, seconds, samples):
     return sound, hashlib.sha256("\n".join(texts).encode()).hexdigest()[:16]
 
 
-def file_name(name):
-    return re.sub(r"[^A-Za-z0-9.+-]+", "-", name)
+def path_of(name, kind):
+    """File of the results of a change: of a program, or "instructions"."""
+    return OUT / "results" / f"{re.sub(r'[^A-Za-z0-9.+-]+', '-', name)}.{kind}.json"
 
 
-def stored(program, name):
-    path = OUT / "results" / f"{file_name(name)}.{program}.json"
+def stored(name, kind):
+    path = path_of(name, kind)
     return json.loads(path.read_text()) if path.exists() else None
 
 
 def result_of(program, setting, name, stamp, arguments):
     """The result of a program under a change, from its file if it was run before."""
-    kept = stored(program, name)
+    kept = stored(name, program)
     if kept and kept["stamp"] == stamp:
         return kept
-    path = OUT / "results" / f"{file_name(name)}.{program}.json"
+    path = path_of(name, program)
     environment = dict(os.environ, GODOBJECT_ABLATION=setting)
     share = arguments.share or (8 if arguments.quick else 1)
     environment["GODOBJECT_SHARE"] = str(share)
@@ -132,18 +136,16 @@ def failures(base, changed):
 
 def instructions_of(setting, name, stamp, samples=16):
     """Instructions of a short stability map under a change, by callgrind, from its file if counted before."""
-    path = OUT / "results" / f"{file_name(name)}.instructions.json"
-    if path.exists():
-        kept = json.loads(path.read_text())
-        if kept["stamp"] == stamp:
-            return kept["count"]
+    kept = stored(name, "instructions")
+    if kept and kept["stamp"] == stamp:
+        return kept["count"]
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", OUT / "map", "--samples",
                               str(samples), "--out", pathlib.Path(folder) / "map.csv"], capture_output=True, text=True,
                              env=dict(os.environ, GODOBJECT_ABLATION=setting), cwd=SOURCE)
     collected = re.search(r"Collected : (\d+)", run.stderr)
     count = int(collected.group(1)) if collected else None
-    path.write_text(json.dumps({"stamp": stamp, "count": count}))
+    path_of(name, "instructions").write_text(json.dumps({"stamp": stamp, "count": count}))
     return count
 
 
@@ -161,17 +163,16 @@ def reached(name):
 
 def write_table(path, numbers, quick):
     """Writes the table from all stored results: each change with its failures, and those that nothing missed."""
-    bases = {program: stored(program, "none") for program in ["map", *programs.TESTS]}
+    bases = {program: stored("none", program) for program in PROGRAMS}
     bases = {program: base for program, base in bases.items() if base}
     rows, unmissed, not_run = [], [], []
     for name, _ in all_ablations(numbers, quick):
-        results = {program: stored(program, name) for program in bases}
+        results = {program: stored(name, program) for program in bases}
         results = {program: kept for program, kept in results.items() if kept and kept["stamp"] == bases[program]["stamp"]}
         lost = {program: len(failures(bases[program], kept)) for program, kept in results.items()}
         text = ", ".join(f"{program} {count}" for program, count in lost.items() if count)
-        counted = OUT / "results" / f"{file_name(name)}.instructions.json"
-        cost = instructions_text(*(json.loads(file.read_text())["count"] for file in
-                                   (counted, OUT / "results/none.instructions.json"))) if counted.exists() else ""
+        counted = [stored(change, "instructions") for change in (name, "none")]
+        cost = instructions_text(*(one["count"] for one in counted)) if all(counted) else ""
         if text:
             rows.append(f"| {name} | {reached(name)} | {text} | {cost} |")
         else:
@@ -200,7 +201,7 @@ def main():
     arguments = parser.parse_args()
     numbers = switched_core.copy(SOURCE, OUT)
     programs.write_build(SOURCE, OUT)
-    chosen = arguments.program or ["map", *programs.TESTS]
+    chosen = arguments.program or PROGRAMS
     subprocess.run(["ninja", "-f", OUT / "build.ninja", *(f"build/ablation/{name}" for name in chosen)], cwd=SOURCE,
                    check=True)
     stamps = {name: hashlib.sha256((OUT / name).read_bytes() +
