@@ -21,12 +21,6 @@ constexpr double least_counts = 50;     // of a sensor in an amplitude
 constexpr double stiffness_share = 0.05, damping_share = 0.35;
 constexpr int periods_of_delay = 2;
 
-std::optional<std::size_t> drive_of(const RigParams& rig, const std::string& joint) {
-  const auto found = std::ranges::find(rig.drives, joint, &DriveParams::joint);
-  if (found == rig.drives.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - rig.drives.begin());
-}
-
 using JointMatrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
                                   static_cast<int>(max_joints), static_cast<int>(max_joints)>;
 
@@ -95,7 +89,7 @@ Excitation::Excitation(const RigParams& rig, const PlantConfig& plant, double st
     axis.max_speed = max_speed_ratio * 2 * std::numbers::pi * amplitude / params_.period_s;
     axes_.push_back(axis);
   }
-  const std::size_t size = steps(duration_s() / static_cast<double>(params_.joints.size())) + 2;
+  const std::size_t size = steps(2 * settling_s + moving_s()) + 2;
   for (const std::size_t joint : params_.joints) {
     records_.push_back({.joint = joint, .fastest_period_s = params_.period_s / 4, .q = {}, .torque = {}});
     records_.back().q.reserve(size);
@@ -107,9 +101,11 @@ std::size_t Excitation::steps(double s) const noexcept {
   return static_cast<std::size_t>(std::llround(s / step_s_));
 }
 
+double Excitation::slow_s() const noexcept { return params_.cycles * params_.period_s; }
+double Excitation::moving_s() const noexcept { return 1.5 * slow_s(); }
+
 double Excitation::duration_s() const noexcept {
-  return (2 * settling_s + 1.5 * params_.cycles * params_.period_s) *
-         static_cast<double>(params_.joints.size());
+  return (2 * settling_s + moving_s()) * static_cast<double>(params_.joints.size());
 }
 
 double Excitation::peak_speed() const noexcept {
@@ -117,15 +113,16 @@ double Excitation::peak_speed() const noexcept {
          params_.period_s;
 }
 
+double Excitation::time_s() const noexcept { return static_cast<double>(step_) * step_s_ - settling_s; }
+
 /// Sines of whole cycles, which begin and end at the start: first the slow one, then the fast one.
 JointTarget Excitation::reference() const noexcept {
   JointTarget out{.q = q_0_, .q_dot = JointVector::Zero(q_0_.size())};
-  const double slow_s = params_.cycles * params_.period_s;
-  double t = static_cast<double>(step_) * step_s_ - settling_s;
-  if (t < 0 || t > 1.5 * slow_s) return out;
-  const bool fast = t > slow_s;
+  double t = time_s();
+  if (t < 0 || t > moving_s()) return out;
+  const bool fast = t > slow_s();
   const double ratio = fast ? 4 : 1;
-  if (fast) t -= slow_s;
+  if (fast) t -= slow_s();
   const double w = 2 * std::numbers::pi * ratio / params_.period_s;
   const double amplitude = params_.amplitude[at_] / ratio;
   const auto joint = static_cast<Eigen::Index>(params_.joints[at_]);
@@ -135,14 +132,13 @@ JointTarget Excitation::reference() const noexcept {
 }
 
 void Excitation::record(const Rig& rig, const JointVector& q) noexcept {
-  const double slow_s = params_.cycles * params_.period_s;
-  const double t = static_cast<double>(step_) * step_s_ - settling_s;
+  const double t = time_s();
   JointExcitation& record = records_[at_];
   const Axis& axis = axes_[record.joint];
   // the torque sent after the sample before
   if (!record.q.empty() && record.torque.size() < record.q.size())
     record.torque.push_back(rig.commanded_torque_Nm(axis.drive) * axis.joint_per_motor);
-  if (t >= 0 && t <= 1.5 * slow_s && record.q.size() < record.q.capacity()) record.q.push_back(q);
+  if (t >= 0 && t <= moving_s() && record.q.size() < record.q.capacity()) record.q.push_back(q);
 }
 
 bool Excitation::too_far(const JointVector& q, const JointVector& q_dot) noexcept {
@@ -188,7 +184,7 @@ bool Excitation::step(const Rig& rig, const JointVector& q, bool valid, std::spa
     F_hand_W[h] = {.tau = F.w, .f = F.v};
   }
   ++step_;
-  const bool joint_is_done = step_ > steps(2 * settling_s + 1.5 * params_.cycles * params_.period_s);
+  const bool joint_is_done = step_ > steps(2 * settling_s + moving_s());
   if (joint_is_done) {
     ++at_;
     step_ = 0;

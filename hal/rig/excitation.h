@@ -58,6 +58,9 @@ class Excitation {
   void record(const Rig& rig, const JointVector& q) noexcept;
   bool too_far(const JointVector& q, const JointVector& q_dot) noexcept;
   JointTarget reference() const noexcept;
+  double slow_s() const noexcept;    // duration of the slow sine of a joint, s
+  double moving_s() const noexcept;  // of both sines, s
+  double time_s() const noexcept;    // since the slow sine of the present joint began, s
   std::size_t steps(double s) const noexcept;
 
   const RigParams& rig_;

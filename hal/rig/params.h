@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "hal/can/params.h"
@@ -57,13 +59,20 @@ inline DriveProtocol protocol_of_bus(const RigParams& rig, std::size_t bus) noex
   return drive == rig.drives.end() ? DriveProtocol::cia402 : drive->protocol;
 }
 
+/// Returns the number of the drive that moves a joint; none without one.
+inline std::optional<std::size_t> drive_of(const RigParams& rig, const std::string& joint) noexcept {
+  const auto found = std::ranges::find(rig.drives, joint, &DriveParams::joint);
+  if (found == rig.drives.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - rig.drives.begin());
+}
+
 /// Returns the calibration of the sensor that measures a joint, its encoder or else its drive; null without
 /// either.
 inline const Calibration* sensor_of(const RigParams& rig, const std::string& joint) noexcept {
   const auto encoder = std::ranges::find(rig.encoders, joint, &EncoderParams::joint);
   if (encoder != rig.encoders.end()) return &encoder->calibration;
-  const auto drive = std::ranges::find(rig.drives, joint, &DriveParams::joint);
-  return drive == rig.drives.end() ? nullptr : &drive->calibration;
+  const std::optional<std::size_t> drive = drive_of(rig, joint);
+  return drive ? &rig.drives[*drive].calibration : nullptr;
 }
 
 /// True if the sensors and the drive of a joint turn: on a hinge, and on any actuator of a transmission.
