@@ -170,6 +170,7 @@ inline constexpr Real max_scale = 2;
 struct FrictionAgainstTheWorld {
   static constexpr bool tangents = true;
   static constexpr int by_tangent = 4, by_secant = 2;
+  static constexpr Real min_friction_change = 0;
   // no wider: position errors of the reference scene `press` increase above this tolerance
   // (tests/core/contact/test_reference.cc)
   static constexpr Real friction_tolerance(int) noexcept { return 1e-6; }

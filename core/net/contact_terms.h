@@ -11,6 +11,11 @@
 
 namespace godobject {
 
+/// Calls f(node, weight) for the nodes of a face.
+template <class F>
+void each_weight(const PointOfFace& on, F f) noexcept {
+  for (std::size_t m = 0; m < 3; ++m) f(on.nodes[m], on.weights[static_cast<Eigen::Index>(m)]);
+}
 /// Returns the weighted sum of vectors of a face's nodes.
 template <class Vector>
 Column at_face(const PointOfFace& on, const Vector& v) noexcept {
@@ -19,17 +24,14 @@ Column at_face(const PointOfFace& on, const Vector& v) noexcept {
 /// Subtracts an impulse from a face's nodes by the weights.
 template <class Vector>
 void subtract_at_face(const PointOfFace& on, const Column& J, Vector& F) noexcept {
-  for (std::size_t m = 0; m < 3; ++m) F[on.nodes[m]] -= J * on.weights[static_cast<Eigen::Index>(m)];
+  each_weight(on, [&](std::uint32_t n, Real weight) noexcept { F[n] -= J * weight; });
 }
 
 /// Returns the effective mass of the point of a face, kg.
 template <class Net, std::size_t N>
 Real mass_at_face(const PointOfFace& on, const NetStage<Net, N>& w) noexcept {
   Real per_mass = 0;
-  for (std::size_t m = 0; m < 3; ++m) {
-    const Real weight = on.weights[static_cast<Eigen::Index>(m)];
-    per_mass += weight * weight / w.m[on.nodes[m]];
-  }
+  each_weight(on, [&](std::uint32_t n, Real weight) noexcept { per_mass += weight * weight / w.m[n]; });
   return 1 / per_mass;
 }
 
@@ -58,13 +60,10 @@ void add_contacts_product(const NetStage<Net, N>& w, const Nodes& v, const Vecto
 
 /// Calls f(node, squared weight of the contact at it) for the node of a contact and those of its face.
 template <class F>
-void each_node(const NetContactTerm& contact, F f) noexcept {
+void each_node_of(const NetContactTerm& contact, F f) noexcept {
   f(contact.node, Real(1));
-  if (!contact.is_on_face()) return;
-  for (std::size_t m = 0; m < 3; ++m) {
-    const Real weight = contact.face.weights[static_cast<Eigen::Index>(m)];
-    f(contact.face.nodes[m], weight * weight);
-  }
+  if (contact.is_on_face())
+    each_weight(contact.face, [&](std::uint32_t n, Real weight) noexcept { f(n, weight * weight); });
 }
 
 }  // namespace godobject

@@ -47,7 +47,7 @@ SymmetricPack in_lanes(const std::array<SymmetricBlock, max_nodes>& A, const Nod
 template <class Net, std::size_t N>
 void add_masses_of_contacts(NetStage<Net, N>& w) noexcept {
   for (const NetContactTerm& contact : w.terms())
-    each_node(contact, [&](std::uint32_t n, Real share) noexcept {
+    each_node_of(contact, [&](std::uint32_t n, Real share) noexcept {
       SymmetricBlock K = outer_square(contact.n, share * contact.b);
       w.of_contacts[n] += (K += SymmetricBlock::multiple(share * contact.a));
     });
@@ -85,14 +85,14 @@ void renew_inverses(NetStage<Net, N>& w) noexcept {
     const NodeGroup& group = w.par->groups[g];
     w.D_inverse[g] = inverse(in_lanes(w.D, group) + in_lanes(w.of_contacts, group));
   };
-  for (const NetContactTerm& contact : w.terms()) each_node(contact, renew);
+  for (const NetContactTerm& contact : w.terms()) each_node_of(contact, renew);
 }
 /// Removes the contacts of nodes from their D; below, adds them. Their effect on other D remains as factored.
 /// The preconditioner stays valid, because D_j is positive definite without the contacts of j.
 template <class Net, std::size_t N>
 void remove_contacts_from_factor(NetStage<Net, N>& w) noexcept {
   const auto remove = [&](std::uint32_t n, Real) noexcept { w.of_contacts[n] = SymmetricBlock::zero(); };
-  for (const NetContactTerm& contact : w.terms()) each_node(contact, remove);
+  for (const NetContactTerm& contact : w.terms()) each_node_of(contact, remove);
   renew_inverses(w);
 }
 /// Adds the contacts of nodes to D, after the previous ones were removed. A node may have several.

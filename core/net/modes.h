@@ -34,10 +34,9 @@ Pack compliance(std::size_t pack, const Vector3<Pack>& d, const Pack& own, Real 
     };
     give.set(j, of_node(n, 1));
     if (const FaceTouch* on = w.touched_face(4 * pack + j))
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Real weight = on->weights[static_cast<Eigen::Index>(i)];
-        give.set(j, give[j] + of_node(on->nodes[i], weight * weight));
-      }
+      each_weight(*on, [&](std::uint32_t i, Real weight) noexcept {
+        give.set(j, give[j] + of_node(i, weight * weight));
+      });
   }
   return give;
 }

@@ -32,7 +32,7 @@ void find_standing(NetStage<Net, N>& w) noexcept {
   };
   for (const NetContactTerm& contact : w.terms()) {
     if (contact.body != NetContactTerm::on_world) {
-      each_node(contact, stop);
+      each_node_of(contact, stop);
       continue;
     }
     const std::size_t k = row_of_node(par, contact.node);

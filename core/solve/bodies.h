@@ -104,8 +104,7 @@ void load_system([[maybe_unused]] Real h, [[maybe_unused]] bool first, const Isl
 template <class FrictionSearch, class Contacts, std::size_t N>
 bool update_contact_modes(int iteration, [[maybe_unused]] Real h, const Island& island,
                           BodyContactScratch<Contacts, N>& w, ContactResidual& most) noexcept {
-  Real F_small = 0;
-  if constexpr (!FrictionSearch::tangents) F_small = FrictionSearch::min_friction_change * most.F_n();
+  const Real F_small = FrictionSearch::min_friction_change * most.F_n();
   most = {};
   const Pass next = pass_of<FrictionSearch>(iteration + 1);
   bool changed = false;

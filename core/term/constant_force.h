@@ -6,7 +6,7 @@
 namespace godobject {
 
 struct ConstantForceParams {
-  SpringEnd at;             // point of a body or node
+  SpringEnd at;             // point of a body
   Vec3 F_W = Vec3::Zero();  // N
 };
 
