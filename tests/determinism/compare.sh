@@ -21,6 +21,8 @@ wide="" v3=""
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null; then wide=_-mavx2; fi
 if grep -qw avx2 /proc/cpuinfo 2> /dev/null && grep -qw fma /proc/cpuinfo; then v3=_-march=x86-64-v3; fi
 emulated=aarch64-linux-gnu-g++ emulated_steps=1000 # emulation is slow
+steps=1000
+[ -z "${GODOBJECT_NIGHTLY:-}" ] || steps=3000
 
 levels_of() {
   if [ -n "${GODOBJECT_NIGHTLY:-}" ]; then
@@ -76,7 +78,7 @@ for compiler in g++ clang++; do
 done
 for build in $builds; do
   build "${build%%/*}" "${build#*/}"
-  run "$name" > "$name.txt"
+  run "$name" "$steps" > "$name.txt"
   [ -n "${reference:-}" ] || reference=$name
 done
 
@@ -85,7 +87,7 @@ grep -q ' [0-9a-f]\{16\}$' "$reference.txt"
 if grep fault "$reference.txt"; then exit 1; fi
 for build in $builds; do
   name=$work/${build%%/*}${build#*/}
-  [ "$name" = "$reference" ] || compare "$reference" "$name" 3000
+  [ "$name" = "$reference" ] || compare "$reference" "$name" "$steps"
 done
 
 if command -v $emulated > /dev/null && command -v qemu-aarch64 > /dev/null; then
