@@ -2,8 +2,8 @@
 # Builds state_hash_probe.cc with every compiler at hand, without optimisation and with all of it, with the flags of the
 # `deterministic` preset: for x86-64-v1, for wider vectors, for x86-64-v3, and for aarch64, which runs in qemu-user. Demands that
 # all print the same; otherwise names the first quantity that differs. With one compiler only: exit 77, not compared.
-# Every compiler at every level where GODOBJECT_NIGHTLY is set (./dev nightly); else two builds, with different compilers,
-# levels and widths, and those of the other processors.
+# Every compiler at every level, and 3000 steps, where GODOBJECT_NIGHTLY is set (./dev nightly); else 1000 steps of two builds, with
+# different compilers, levels and widths, and those of the other processors.
 #   compare.sh SOURCE_DIR EIGEN_INCLUDE_DIR WORK_DIR
 set -eu
 source_dir=$1 eigen=$2 work=$3
