@@ -89,7 +89,7 @@ Excitation::Excitation(const RigParams& rig, const PlantConfig& plant, double st
     axis.max_speed = max_speed_ratio * 2 * std::numbers::pi * amplitude / params_.period_s;
     axes_.push_back(axis);
   }
-  const std::size_t size = steps(2 * settling_s + moving_s()) + 2;
+  const std::size_t size = steps(joint_s()) + 2;
   for (const std::size_t joint : params_.joints) {
     records_.push_back({.joint = joint, .fastest_period_s = params_.period_s / 4, .q = {}, .torque = {}});
     records_.back().q.reserve(size);
@@ -104,8 +104,10 @@ std::size_t Excitation::steps(double s) const noexcept {
 double Excitation::slow_s() const noexcept { return params_.cycles * params_.period_s; }
 double Excitation::moving_s() const noexcept { return 1.5 * slow_s(); }
 
+double Excitation::joint_s() const noexcept { return 2 * settling_s + moving_s(); }
+
 double Excitation::duration_s() const noexcept {
-  return (2 * settling_s + moving_s()) * static_cast<double>(params_.joints.size());
+  return joint_s() * static_cast<double>(params_.joints.size());
 }
 
 double Excitation::peak_speed() const noexcept {
@@ -184,7 +186,7 @@ bool Excitation::step(const Rig& rig, const JointVector& q, bool valid, std::spa
     F_hand_W[h] = {.tau = F.w, .f = F.v};
   }
   ++step_;
-  const bool joint_is_done = step_ > steps(2 * settling_s + moving_s());
+  const bool joint_is_done = step_ > steps(joint_s());
   if (joint_is_done) {
     ++at_;
     step_ = 0;

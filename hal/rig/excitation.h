@@ -60,6 +60,7 @@ class Excitation {
   JointTarget reference() const noexcept;
   double slow_s() const noexcept;    // duration of the slow sine of a joint, s
   double moving_s() const noexcept;  // of both sines, s
+  double joint_s() const noexcept;   // of a joint with its rests, s
   double time_s() const noexcept;    // since the slow sine of the present joint began, s
   std::size_t steps(double s) const noexcept;
 
