@@ -148,6 +148,10 @@ template <Scene S>
     end_contacts(h, contacts);
   }
   if constexpr (uses<TermsOf<S>>) end_terms(h, contacts, w.term_forces);
+  if constexpr (uses<TermsOf<S>> || uses<typename S::Joints>)
+    set_missing_impulses(num_bodies(par), h, contacts);
+  if constexpr (uses<TermsOf<S>>)
+    if (!contacts.is_unbalanced) balance_flight(num_bodies(par), contacts);
   if constexpr (uses<typename S::Joints>) end_joints(par, h, contacts, w.tree);
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
     const SpatialVector& V = contacts.x.V[i];

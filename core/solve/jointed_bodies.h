@@ -9,6 +9,7 @@
 #include "core/joint/tree.h"
 #include "core/solve/island_terms.h"
 #include "core/solve/line_search.h"
+#include "core/solve/momentum.h"
 #include "core/tuning.h"
 
 namespace godobject {
@@ -275,33 +276,20 @@ template <class Contacts, std::size_t N, class Impulses>
     if (all.joined[i]) F[i].v -= Column(Vec3((w.wrenches[i].f - before[i] + missing.by_net[i]) * h));
 }
 
-/// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts, plus
-/// those of its descendants.
+/// Computes V from V - V_p, and the joint wrenches: the impulse of a body's motion beyond its contacts and
+/// terms, plus those of its descendants. F: those impulses, as set by set_missing_impulses().
 template <class S, class Contacts>
 void end_joints(const Params<S>& par, Real h, BodyContactScratch<Contacts, S::max_bodies>& w,
                 TouchingJoints<S::max_bodies, typename S::Joints>& tree) noexcept {
   const auto& all = w.graph.joints;
   auto& F = w.x.Ap;
   for (std::size_t i = 0; i < num_bodies(par); ++i) {
-    if (!all.joined[i]) continue;
-    const BodyStage& stage = w.stages[i];
-    const Wrench& on_contacts = w.wrenches[i];
-    F[i] = times(stage, w.x.V[i]) -
-           (stage.b + SpatialVector{.w = Column(on_contacts.tau), .v = Column(on_contacts.f)} * h);
-    if (all.edges[i].kind == JointKind::free) continue;
+    if (!all.joined[i] || all.edges[i].kind == JointKind::free) continue;
     for (std::size_t k = 0; k < 2; ++k) {
       const Real D = all.edges[i].stop_D[k];
       tree.is_stiff |= D * w.system.joints[i].D_inverse[k] > stiff_stop_share;
       tree.stop_acts |= D > 0;
     }
-  }
-  each_term_impulse(w, [&](std::uint32_t u, const SpatialVector& J) noexcept {
-    if (all.joined[u]) F[u] = F[u] - J;
-  });
-  if constexpr (Contacts::has_net) {
-    each_net_impulse(w, [&](std::uint32_t i, const SpatialVector& J) noexcept {
-      if (all.joined[i]) F[i] = F[i] - J;
-    });
   }
   if constexpr (Contacts::between_bodies)
     if (w.is_unbalanced) [[unlikely]]
