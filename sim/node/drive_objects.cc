@@ -26,6 +26,7 @@ void add_drive_objects(ObjectDictionary& objects, const DriveParams& params, Sim
   objects.add_mappable(torque_object, ObjectType::i16, ro);
   objects.add_mappable(target_position_object, ObjectType::i32);
   objects.add_mappable(target_velocity_object, ObjectType::i32);
+  objects.add_mappable({0x60FD, 0}, ObjectType::u32, ro);  // digital inputs
   objects.add(home_offset_object, ObjectType::i32, rw);
   objects.add(homing_method_object, ObjectType::i8, rw, cia402::homing_at_current_position);
   objects.add({0x6099, 0}, ObjectType::u8, ro, 2);  // homing speeds: to the switch, to the index
@@ -80,6 +81,7 @@ std::vector<SimPdoDefault> drive_pdos(SimDefaults defaults, std::uint8_t status_
          .transmission = event_driven,
          .timer_ms = event_ms,
          .map = {velocity_object, mode_display_object, error_code_object}},
+        {.direction = transmit, .number = 3, .on = false, .map = {torque_object}},
     };
   }
   return {

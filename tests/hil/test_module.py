@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from godobject import hil
+from godobject.hil.pdo import values_of
 
 pytestmark = pytest.mark.simulated
 
@@ -93,9 +94,69 @@ def test_two_buses_one_of_odrives(rig, run, program):
         # Requests are remote frames, which a listener omits.
         assert {message["name"] for message in bus["messages"] if not message["name"].endswith("request")} <= names[bus["bus"]]
     assert rig.value("torque_Nm", "elbow") == pytest.approx(0, abs=0.1) and rig.value("axis_state", "elbow") == 8
+    assert {f.kind for f in rig.listeners["can1"].frames} == {hil.OTHER}
+    kinds = {(f.bus, f.kind) for f in hil.read_candump(run.record_path, rig.scene)}
+    assert ("can0", hil.SYNC) in kinds and {kind for bus, kind in kinds if bus == "can1"} == {hil.OTHER}
     cut = rig.fault("unplug", bus="can1")
     rig.assert_zero_torque(after=cut, within_s=0.1 + 5 * rig.scene.step_s)  # watchdog_ms
     run.wait_for_event(r"FAULT drive_silent \(can1 node 11", 1)
+
+
+OF_DRIVES = """
+[[pdo]]
+pdo = "tpdo3"
+transmission = 1
+map = ["torque", "velocity", "6061h:00:8"]
+"""
+OF_ENCODERS = """
+[[pdo]]
+pdo = "tpdo1"
+transmission = 1
+map = ["encoder_position"]
+[[pdo]]
+pdo = "tpdo2"
+transmission = 1
+map = ["encoder_speed", "encoder_position"]
+"""
+ENCODER_AND_BUTTON = [("offset_counts = 8192", 'profile = "more-406"\noffset_counts = 8192'), (
+    '[[motion.joint]]\ncoordinate = "turret"', '[[device.button]]\nuse = "stop"\nbus = "can0"\nnode_id = 40\n\n'
+    '[[motion.joint]]\ncoordinate = "turret"')]
+
+
+@pytest.mark.scene_with(*ENCODER_AND_BUTTON[0])
+@pytest.mark.scene_with(*ENCODER_AND_BUTTON[1])
+@pytest.mark.repeats_if_starved
+def test_each_pdo_of_a_profile_has_the_values_of_its_map(program, scene, tmp_path):
+    profile = Path(scene).with_name("patient-402.toml")
+    profile.write_text(profile.read_text() + OF_DRIVES)
+    Path(scene).with_name("more-406.toml").write_text(OF_ENCODERS)
+    with hil.Rig(scene, program=program, folder=tmp_path) as rig:
+        run = rig.run_enabled()
+        rig.wait_for_torque()
+        of_drive = rig.bus.wait_for(lambda f: f.kind == hil.TPDO3 and f.node == 11, 2, "TPDO3 of a drive")
+        of_encoder = rig.bus.wait_for(lambda f: f.kind == hil.TPDO2 and f.node == 2, 2, "TPDO2 of an encoder")
+        torque, velocity, mode = struct.unpack("<hib", of_drive.data)
+        speed, counts = struct.unpack("<hI", of_encoder.data)
+        turret = rig.scene.node("turret")
+        assert rig.scene.decode(of_drive).values == {"torque_Nm": pytest.approx(1e-4 * torque), "mode": 10,
+                                                     "velocity_rad_per_s": pytest.approx(velocity / turret.counts_per_unit)}
+        assert mode == 10 and rig.decode(of_drive).startswith("can0 38B turret drive tpdo3")
+        of_maker = values_of(turret, hil.TPDO4, ((0x2111, 2, 32), (0x60FD, 0, 8)), b"\x04\x03\x02\x01\xff")
+        assert of_maker == {"2111h:02": 0x01020304, "digital_inputs": 255}
+        # The host reads a maker's object in the place of the standard position as the position.
+        status = ((0x6041, 0, 16), (0x2111, 2, 32), (0x6077, 0, 16))
+        assert values_of(turret, hil.TPDO1, status, struct.pack("<Hih", 0, -7, 1))["position_counts"] == -7
+        assert not values_of(turret, hil.TPDO1, None, bytes(7))
+        elbow = rig.scene.node("elbow", "encoder")
+        assert rig.scene.decode(of_encoder).values == {"speed": speed, "position_counts": counts,
+                                                       "position_rad": elbow.position(counts)}
+        run.stop()
+        loads = subprocess.run([program, "bus-load", scene, "--json"], capture_output=True, text=True).stdout
+        expected = {message["name"] for message in json.loads(loads)[0]["messages"]}
+        names = {rig.scene.decode(f).name for f in rig.bus.frames if f.kind not in (hil.OTHER, hil.NMT, hil.EMCY)}
+        assert {"button node 40 inputs", "button node 40 heartbeat"} <= expected <= names
+        assert names - expected == {f"{joint} {pdo}" for joint in ("turret", "elbow")
+                                    for pdo in ("drive tpdo3", "encoder tpdo2")}
 
 
 def test_every_verb_is_accepted(rig, program):

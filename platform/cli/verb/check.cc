@@ -125,6 +125,26 @@ void warn_of_contacts_at_start(const std::string& path, const SceneConfig& scene
                buried.deepest.c_str());
 }
 
+/// Prints the objects of each PDO of nodes with a profile, as index, sub-index and bits.
+void print_process_data(const RigParams& rig, const RigProfiles& profiles) {
+  const auto print = [&](const std::optional<NodeProfile>& profile, std::size_t bus, unsigned node) {
+    if (!profile) return;
+    for (const PdoProfile& pdo : profile->pdos) {
+      std::printf("#   %s node %u %cpdo%d", rig.buses[bus].name.c_str(), node,
+                  pdo.direction == PdoDirection::receive ? 'r' : 't', pdo.number);
+      for (const MappedObject& object : pdo.map)
+        std::printf("  %04Xh:%02X:%d", static_cast<unsigned>(object.address.index),
+                    static_cast<unsigned>(object.address.sub), static_cast<int>(object.bits));
+      std::puts("");
+    }
+  };
+  std::puts("\n# process data of profiles");
+  for (std::size_t i = 0; i < std::min(profiles.encoders.size(), rig.encoders.size()); ++i)
+    print(profiles.encoders[i], rig.encoders[i].bus, rig.encoders[i].node_id);
+  for (std::size_t i = 0; i < std::min(profiles.drives.size(), rig.drives.size()); ++i)
+    print(profiles.drives[i], rig.drives[i].bus, rig.drives[i].node_id);
+}
+
 void print_passivity(const Passivity& passivity) {
   const std::vector<std::string> table = passivity_table(passivity);
   if (!table.empty()) std::puts("");
@@ -149,6 +169,7 @@ void print_all(const PreparedRun& prepared) {
     std::puts("");
     for (const std::string& line : time_to_zero_lines(*scene.device->rig, scene.step, prepared.profiles))
       std::puts(line.c_str());
+    print_process_data(*scene.device->rig, prepared.profiles);
   }
   print_passivity(prepared.passivity);
   for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
@@ -244,7 +265,7 @@ void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code)
   const auto full = std::make_shared<bool>(false);
   verb->add_flag("--full", *full,
                  "print everything: the values in effect as a scene file, the composition with its memory, "
-                 "and every message of every bus");
+                 "the objects of PDOs, and every message of every bus");
   verb->callback([options, full, &code] { code = check(*options, *full); });
 }
 

@@ -14,8 +14,8 @@ With pytest: `-p godobject.hil.pytest_plugin`. The page: docs/python-hil.md.
 """
 from .clocks import Clock, Moment, moment, now
 from .errors import Ended, Expected, HilError, Late, NotAvailable, Refused, TimedOut
-from .frames import (DRIVE_STATES, EMCY, HEARTBEAT, NMT, NMT_COMMANDS, NMT_STATES, OTHER, RPDO1, SYNC, TPDO1, TPDO2, Frame,
-                     drive_state, make_frame, read_candump, read_trace)
+from .frames import (DRIVE_STATES, EMCY, HEARTBEAT, NMT, NMT_COMMANDS, NMT_STATES, OTHER, RPDO1, RPDO2, RPDO3, RPDO4, SYNC,
+                     TPDO1, TPDO2, TPDO3, TPDO4, Frame, drive_state, make_frame, read_candump, read_trace)
 from .ports import Listener, Port, SlcanPort, SocketCanPort, open_port, wait_for, why_no_socketcan
 from .programs import Process, Run, is_sanitized
 from .rig import ATTEMPTS, Rig
@@ -24,7 +24,7 @@ from .scene import Message, Node, Scene, changed_scene, find_program
 __all__ = [
     "ATTEMPTS", "Clock", "DRIVE_STATES", "EMCY", "Ended", "Expected", "Frame", "HEARTBEAT", "HilError", "Late", "Listener",
     "Message", "Moment", "NMT", "NMT_COMMANDS", "NMT_STATES", "Node", "NotAvailable", "OTHER", "Port", "Process", "RPDO1",
-    "Refused", "Rig", "Run", "SYNC", "Scene", "SlcanPort", "SocketCanPort", "TPDO1", "TPDO2", "TimedOut", "changed_scene", "drive_state",
-    "find_program", "is_sanitized", "make_frame", "moment", "now", "open_port", "read_candump", "read_trace", "wait_for",
-    "why_no_socketcan",
+    "RPDO2", "RPDO3", "RPDO4", "Refused", "Rig", "Run", "SYNC", "Scene", "SlcanPort", "SocketCanPort", "TPDO1", "TPDO2",
+    "TPDO3", "TPDO4", "TimedOut", "changed_scene", "drive_state", "find_program", "is_sanitized", "make_frame", "moment",
+    "now", "open_port", "read_candump", "read_trace", "wait_for", "why_no_socketcan",
 ]

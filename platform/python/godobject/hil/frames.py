@@ -6,12 +6,16 @@ import re
 import struct
 from pathlib import Path
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from .errors import HilError
 
-SYNC, NMT, EMCY, TPDO1, RPDO1, TPDO2, HEARTBEAT, OTHER = (
-    "sync", "nmt", "emcy", "tpdo1", "rpdo1", "tpdo2", "heartbeat", "other")
+if TYPE_CHECKING:
+    from .scene import Scene
+
+SYNC, NMT, EMCY, HEARTBEAT, OTHER = "sync", "nmt", "emcy", "heartbeat", "other"
+TPDO1, TPDO2, TPDO3, TPDO4 = "tpdo1", "tpdo2", "tpdo3", "tpdo4"
+RPDO1, RPDO2, RPDO3, RPDO4 = "rpdo1", "rpdo2", "rpdo3", "rpdo4"
 
 NMT_STATES = {0x00: "boot-up", 0x04: "stopped", 0x05: "operational", 0x7F: "pre-operational"}
 NMT_COMMANDS = {0x01: "start", 0x02: "stop", 0x80: "pre-operational", 0x81: "reset node",
@@ -22,7 +26,8 @@ DRIVE_STATES = ((0x004F, 0x0000, "not ready to switch on"), (0x004F, 0x0040, "sw
                 (0x006F, 0x0027, "operation enabled"), (0x006F, 0x0007, "quick stop active"),
                 (0x004F, 0x000F, "fault reaction active"), (0x004F, 0x0008, "fault"))
 # Predefined connection set: function code of the COB-ID.
-_KINDS = {0x080: EMCY, 0x180: TPDO1, 0x200: RPDO1, 0x280: TPDO2, 0x700: HEARTBEAT}
+_KINDS = {0x080: EMCY, 0x180: TPDO1, 0x200: RPDO1, 0x280: TPDO2, 0x300: RPDO2, 0x380: TPDO3, 0x400: RPDO3, 0x480: TPDO4,
+          0x500: RPDO4, 0x700: HEARTBEAT}
 
 
 def drive_state(statusword: int) -> str:
@@ -34,7 +39,8 @@ class Frame(NamedTuple):
     """One CAN frame.
 
     time: reception, s since 1970. bus: name in the scene, or interface in a log. id: CAN identifier.
-    kind: SYNC, NMT, EMCY, TPDO1, RPDO1, TPDO2, HEARTBEAT or OTHER. node: its node id; 0: all nodes, or none.
+    kind: SYNC, NMT, EMCY, TPDO1 to TPDO4, RPDO1 to RPDO4, HEARTBEAT or OTHER, which are all frames of a bus of ODrives or
+    moteus. node: its node id; 0: all nodes, or none.
     Properties raise HilError if the frame is too short for them.
     """
     time: float
@@ -110,9 +116,9 @@ def _meaning(can_id: int) -> tuple[str, int]:
 _MEANINGS = [_meaning(can_id) for can_id in range(0x800)]
 
 
-def make_frame(time_s: float, bus: str, can_id: int, data: bytes, extended: bool = False) -> Frame:
-    """Returns a frame with its meaning in the predefined connection set."""
-    kind, node = (OTHER, 0) if extended else _MEANINGS[can_id & 0x7FF]
+def make_frame(time_s: float, bus: str, can_id: int, data: bytes, extended: bool = False, canopen: bool = True) -> Frame:
+    """Returns a frame with its meaning in the predefined connection set. canopen: False for a bus without CANopen."""
+    kind, node = _MEANINGS[can_id & 0x7FF] if canopen and not extended else (OTHER, 0)
     if kind == NMT and len(data) == 2:
         node = data[1]
     return Frame(time_s, bus, can_id, data, kind, node, extended)
@@ -122,11 +128,12 @@ _LOG_LINE = re.compile(r"\((\d+\.\d+)\)\s+(\S+)\s+([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8}
 _REMOTE = re.compile(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]+#R\d?(\s+[RT])?$")
 
 
-def read_candump(path: str | Path) -> Iterator[Frame]:
+def read_candump(path: str | Path, scene: Scene | None = None) -> Iterator[Frame]:
     """Yields the data frames of a log of `candump -l`, or of `run --record`. Raises HilError with the wrong line.
 
-    A last line that was cut off is omitted.
+    scene: that of the log; None: all buses are CANopen. A last line that was cut off is omitted.
     """
+    buses: dict[str, bool] = {}
     lines = Path(path).read_text(errors="replace").splitlines(keepends=True)
     for number, line in enumerate(lines, 1):
         text = line.strip()
@@ -137,7 +144,9 @@ def read_candump(path: str | Path) -> Iterator[Frame]:
             if number == len(lines) and not line.endswith("\n"):
                 return
             raise HilError(f"no frame: {text!r}", f"{path}:{number}", "give a log of candump -l or of run --record")
-        yield make_frame(float(found[1]), found[2], int(found[3], 16), bytes.fromhex(found[4]), len(found[3]) == 8)
+        bus = found[2]
+        canopen = buses.setdefault(bus, scene is None or scene.is_canopen(bus))
+        yield make_frame(float(found[1]), bus, int(found[3], 16), bytes.fromhex(found[4]), len(found[3]) == 8, canopen)
 
 
 def read_trace(path: str | Path) -> dict[str, list[float]]:

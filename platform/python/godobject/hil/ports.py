@@ -166,11 +166,12 @@ def open_port(address: str) -> Port:
 class Listener:
     """All frames of a bus, received in a thread of its own. It can also send, as another node.
 
-    bus: name in the scene. port: open; the listener closes it. frames: all so far; only ever appended to.
+    bus: name in the scene. port: open; the listener closes it. canopen: False for a bus of ODrives or moteus.
+    frames: all so far; only ever appended to.
     """
 
-    def __init__(self, bus: str, port: Port) -> None:
-        self.bus, self.port = bus, port
+    def __init__(self, bus: str, port: Port, canopen: bool = True) -> None:
+        self.bus, self.port, self.canopen = bus, port, canopen
         self.frames: list[Frame] = []
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._listen, name=f"listener {bus}", daemon=True)
@@ -182,7 +183,7 @@ class Listener:
                 received = self.port.receive(0.05)
             except OSError:  # the other end is gone
                 return
-            self.frames.extend([make_frame(t, self.bus, i, data, extended) for t, i, data, extended in received])
+            self.frames.extend([make_frame(t, self.bus, i, data, extended, self.canopen) for t, i, data, extended in received])
 
     def mark(self) -> int:
         """Returns a position in the frames; since(mark) returns the later ones."""

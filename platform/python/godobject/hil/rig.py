@@ -47,7 +47,7 @@ class Rig:
             listened = self._open(buses, simulated, motion, arguments)
             self.listeners: dict[str, Listener] = {}
             for name, address in listened.items():
-                listener = Listener(name, open_port(address))
+                listener = Listener(name, open_port(address), self.scene.is_canopen(name))
                 self._resources.callback(listener.close)
                 self.listeners[name] = listener
             self._clock: tuple[Clock, float] | None = None  # measured, and held_s then
@@ -282,7 +282,7 @@ class Rig:
         """Returns a frame as text, with names and units of the scene."""
         return str(self.scene.decode(frame))
 
-    def value(self, key: str, joint: str, kind: str = "drive") -> float | int | str:
+    def value(self, key: str, joint: str, kind: str = "drive") -> Any:
         """Returns the newest value of a joint's drive or encoder: "torque_Nm", "position_rad", "state", ... of decode()."""
         node = self.scene.node(joint, kind)
         for message in map(self.scene.decode, reversed(self.listeners[node.bus].frames)):

@@ -15,6 +15,7 @@ from typing import Any
 from . import frames
 from .errors import HilError, NotAvailable, Refused
 from .frames import Frame
+from .pdo import Maps, maps_of, values_of
 
 _CHECK_S = 60
 
@@ -51,6 +52,11 @@ class Node:
     torque_max_Nm: float = 0.0
     torque_rate_Nm_per_s: float = 0.0
 
+    @property
+    def name(self) -> str:
+        """Name in messages, e.g. "elbow drive" or "button node 5"."""
+        return f"{self.joint} {self.kind}" if self.joint else f"{self.kind} node {self.node_id}"
+
     def position(self, counts: int) -> float:
         """Returns the joint coordinate of a count, rad or m; without turns before the last wrap, as at power-up."""
         modulus = self.modulus_counts or 1 << 32
@@ -60,18 +66,21 @@ class Node:
 
 @dataclasses.dataclass(frozen=True)
 class Message:
-    """A decoded frame. name: e.g. "elbow drive status". values: each with its unit in its name, e.g. torque_Nm."""
+    """A decoded frame. name: e.g. "elbow drive status".
+
+    values: numbers, each with its unit in its name, e.g. torque_Nm; a text: state, nmt_state, command.
+    """
     frame: Frame
     name: str
     node: Node | None
-    values: dict[str, float | int | str]
+    values: dict[str, Any]
 
     def __str__(self) -> str:
         values = ", ".join(f"{key} {_text(key, value)}" for key, value in self.values.items())
         return f"{self.frame.bus} {self.frame.id:03X} {self.name:24} {values or self.frame.data.hex(' ')}"
 
 
-def _text(key: str, value: float | int | str) -> str:
+def _text(key: str, value: Any) -> str:
     if key in ("statusword", "controlword", "error_code"):
         return f"0x{value:04X}"
     return f"{value:.5g}" if isinstance(value, float) else str(value)
@@ -87,7 +96,7 @@ class Scene:
     def __init__(self, path: str | Path, program: str | Path | None = None) -> None:
         self.path = str(path)
         self.program = find_program(program)
-        self.config = _effective(self.program, self.path, _stamp(self.path))
+        self.config, self._maps = _effective(self.program, self.path, _stamp(self.path))
         device = self.config.get("device", {})
         self.step_s = float(self.config["scene"]["step"])
         self.buses: list[str] = [bus["name"] for bus in self.config.get("bus", [])]
@@ -121,6 +130,10 @@ class Scene:
         """True if its host sends SYNC: a bus has CANopen nodes."""
         return bool(set(self.buses) - set(self._protocols))
 
+    def is_canopen(self, bus: str) -> bool:
+        """False for a bus of ODrives or moteus."""
+        return bus not in self._protocols
+
     @property
     def encoders(self) -> list[Node]:
         """Encoders, in the order of the scene."""
@@ -151,7 +164,7 @@ class Scene:
         if protocol := self._protocols.get(frame.bus):
             return self._decode_odrive(frame) if protocol == "odrive" else Message(frame, "", None, {})
         node = self.nodes.get((frame.bus, frame.node))
-        owner = f"{node.joint} {node.kind}".strip() if node else f"node {frame.node}" if frame.node else ""
+        owner = node.name if node else f"node {frame.node}" if frame.node else ""
         if frame.node and frame.node == self.supervision.get("host_node_id"):
             owner = "host"
         data, kind = frame.data, frame.kind
@@ -165,10 +178,9 @@ class Scene:
             return Message(frame, f"{owner} EMCY", node, {"error_code": frame.emcy_code})
         if node is None:
             return Message(frame, f"{owner} {kind}".strip() if kind != frames.OTHER else "", node, {})
-        if node.kind == "drive":
-            return Message(frame, f"{node.joint} {_DRIVE_NAMES.get(kind, kind)}", node, _drive_values(node, frame))
-        return Message(frame, f"{node.joint} {'position' if kind == frames.TPDO1 else kind}".strip(), node,
-                       _sensor_values(node, frame))
+        name = _PDO_NAMES.get((node.kind, kind))
+        return Message(frame, f"{node.joint or node.name} {name}" if name else f"{node.name} {kind}", node,
+                       values_of(node, kind, self._maps.get((frame.bus, node.node_id, kind)), data))
 
     def _decode_odrive(self, frame: Frame) -> Message:
         node = None if frame.extended else self.nodes.get((frame.bus, frame.id >> 5))
@@ -181,8 +193,12 @@ class Scene:
 # ODrive, CAN Simple: name, layout and values of each message.
 _ODRIVE: dict[int, tuple[str, str, tuple[str, ...]]] = {
     0x01: ("drive heartbeat", "<IB", ("error", "axis_state")),
+    0x02: ("emergency stop", "", ()),
+    0x07: ("axis state command", "<I", ("requested_state",)),
     0x09: ("encoder estimates", "<ff", ("position_turns", "velocity_turns_per_s")),
+    0x0B: ("controller mode", "<II", ("control_mode", "input_mode")),
     0x0E: ("torque command", "<f", ("torque_Nm",)),
+    0x18: ("clear errors", "", ()),
     0x1C: ("torques", "<ff", ("target_Nm", "torque_Nm"))}
 
 
@@ -207,47 +223,23 @@ def changed_scene(path: str | Path, folder: str | Path, *changes: tuple[str, str
     return str(made)
 
 
-_DRIVE_NAMES = {frames.TPDO1: "drive status", frames.TPDO2: "drive event", frames.RPDO1: "torque command"}
-
-
-def _drive_values(node: Node, frame: Frame) -> dict[str, float | int | str]:
-    data, rated_Nm = frame.data, node.torque_rated_Nm
-    if frame.kind == frames.TPDO1 and len(data) == 8:
-        word, counts, torque = struct.unpack("<Hih", data)
-        return {"statusword": word, "state": frames.drive_state(word), "position_counts": counts,
-                f"position_{node.unit}": node.position(counts), "torque_Nm": 1e-3 * torque * rated_Nm}
-    if frame.kind == frames.TPDO2 and len(data) == 7:
-        velocity, mode, error = struct.unpack("<ibH", data)
-        return {f"velocity_{node.unit}_per_s": node.sign * velocity / node.counts_per_unit, "mode": mode, "error_code": error}
-    if frame.kind == frames.RPDO1 and len(data) == 4:
-        word, torque = struct.unpack("<Hh", data)
-        return {"controlword": word, "torque_Nm": 1e-3 * torque * rated_Nm}
-    return {}
-
-
-def _sensor_values(node: Node, frame: Frame) -> dict[str, float | int | str]:
-    if frame.kind != frames.TPDO1:
-        return {}
-    if node.kind == "button":
-        return {"inputs": frame.data[0]} if frame.data else {}
-    if len(frame.data) != 4:
-        return {}
-    counts: int = struct.unpack("<I", frame.data)[0]
-    return {"position_counts": counts, f"position_{node.unit}": node.position(counts)}
+_PDO_NAMES = {("drive", frames.TPDO1): "drive status", ("drive", frames.TPDO2): "drive event",
+              ("drive", frames.RPDO1): "torque command", ("encoder", frames.TPDO1): "position",
+              ("button", frames.TPDO1): "inputs"}
 
 
 def _stamp(path: str) -> float:
     try:
-        return os.stat(path).st_mtime
+        return max(file.stat().st_mtime for file in {Path(path), *Path(path).parent.glob("*.toml")})
     except OSError as error:
         raise HilError(error.strerror or "unreadable", path, "give the path of a scene file (docs/scenes.md)") from None
 
 
 @functools.lru_cache(maxsize=64)
-def _effective(program: str, path: str, stamp: float) -> dict[str, Any]:
-    """Returns the effective configuration printed by `check --full`; stamp: time of the file's last change."""
+def _effective(program: str, path: str, stamp: float) -> tuple[dict[str, Any], Maps]:
+    """Returns the effective configuration and the PDOs that `check --full` prints; stamp: last change of the file and those beside it."""
     done = subprocess.run([program, "check", "--full", path], capture_output=True, text=True, timeout=_CHECK_S)
     if done.returncode != 0:
         raise Refused(done.stderr.strip() or f"check has exit code {done.returncode}", path, f"godobject check {path}")
     text = done.stdout.partition("# effective configuration")[2]
-    return tomllib.loads(text.partition("\n# composition")[0])
+    return tomllib.loads(text.partition("\n# composition")[0]), maps_of(text)
