@@ -3,6 +3,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include <filesystem>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,12 +23,27 @@ struct Refused {
   std::vector<PlacedText> errors;
 };
 
+/// Returns an error with the place at the beginning of its text: "file:line:column: ", both numbers optional.
+/// Others are of the whole file.
+inline PlacedText with_place(const std::string& error, const std::string& file) {
+  static const std::regex place(R"(^([^:]+):(?:(\d{1,9}):(?:(\d{1,9}):)?)? )");
+  std::smatch found;
+  std::error_code ignored;
+  if (!std::regex_search(error, found, place) ||
+      (found[1] != file && !std::filesystem::exists(found[1].str(), ignored)))
+    return {.file = file, .at = {}, .text = error};
+  if (!found[2].matched) return {.file = found[1], .at = {}, .text = found.suffix()};
+  const TextPosition at{.line = static_cast<std::uint32_t>(std::stoul(found[2])),
+                        .column = found[3].matched ? static_cast<std::uint32_t>(std::stoul(found[3])) : 0};
+  return {.file = found[1], .at = at, .text = found.suffix()};
+}
+
 /// Throws the errors, if there are any. placed: the same with their places, as far as they have some.
 inline void refuse(const char* exception, const std::string& file, const std::vector<std::string>& errors,
                    std::vector<PlacedText> placed = {}) {
   if (errors.empty()) return;
   if (placed.empty())
-    for (const std::string& error : errors) placed.push_back({.file = file, .at = {}, .text = error});
+    for (const std::string& error : errors) placed.push_back(with_place(error, file));
   throw Refused{exception, std::move(placed)};
 }
 
@@ -35,7 +52,7 @@ inline py::list problems(const std::vector<PlacedText>& texts) {
   py::list list;
   for (const PlacedText& text : texts) {
     const py::object line = text.at ? py::cast(text.at->line) : py::none();
-    const py::object column = text.at ? py::cast(text.at->column) : py::none();
+    const py::object column = text.at && text.at->column > 0 ? py::cast(text.at->column) : py::none();
     list.append(py::make_tuple(text.text, text.file, line, column));
   }
   return list;

@@ -255,3 +255,43 @@ def test_wrong_arguments_are_refused():
             call()
     with pytest.raises(SceneError, match="bus='direct'"):
         Scene(WALL, bus="sim")
+
+
+@pytest.fixture
+def rig(tmp_path):
+    """Text of tests/hil/rig.toml and its profile, as a function that writes both with changes and returns the scene."""
+
+    def write(*changes):
+        for name in ("rig.toml", "patient-402.toml"):
+            text = open(f"tests/hil/{name}").read()
+            for old, new in changes:
+                text = text.replace(old, new)
+            (tmp_path / name).write_text(text)
+        return tmp_path / "rig.toml"
+
+    return write
+
+
+@pytest.mark.filterwarnings("ignore::godobject.SceneWarning")
+@pytest.mark.parametrize("change, column, message", [
+    (("mode = 10 ", "mode = 300 "), 8, "'mode' is 300"), (("mode = 10 ", "mode = 8 "), None, "mode 8 ignores"),
+    (("[drive]", "[drive"), 7, "not TOML")])
+def test_an_error_of_a_profile_has_the_place_in_the_profile(rig, tmp_path, change, column, message):
+    scene, profile = rig(change), tmp_path / "patient-402.toml"
+    for load in (lambda: Scene(scene), lambda: Scene.from_dict(tomllib.loads(scene.read_text()), folder=tmp_path)):
+        with pytest.raises(SceneError) as caught:
+            load()
+        error = caught.value
+        assert (error.file, error.column, error.key) == (str(profile), column, None) and error.message.startswith(message)
+        assert error.line == line_of(profile, change[1])
+        assert str(error).splitlines()[0].startswith(f"{profile}:{error.line}:")
+
+
+def test_a_profile_that_is_not_there_is_an_error_of_the_scene(rig, tmp_path):
+    scene = rig(('"patient-402"', '"none-such"'))
+    with pytest.raises(SceneError, match='profile "none-such" was found neither') as caught:
+        Scene(scene)
+    assert caught.value.file == str(scene) and caught.value.line == line_of(scene, '"none-such"')
+    with pytest.raises(SceneError, match='profile "none-such" was found neither') as caught:
+        Scene.from_dict(tomllib.loads(scene.read_text()), folder=tmp_path)
+    assert caught.value.key == "device.drive[0].profile"

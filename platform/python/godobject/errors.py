@@ -19,7 +19,7 @@ class Problem:
     def __str__(self) -> str:
         if self.key is not None:
             return f"{self.key}: {self.message}" if self.key else self.message
-        place = f":{self.line}:{self.column}" if self.line else ""
+        place = "".join(f":{number}" for number in (self.line, self.column) if number)
         return f"{self.file}{place}: {self.message}"
 
 

@@ -193,7 +193,12 @@ def _plain(value: Any) -> Any:
 
 
 def _with_key(problem: Problem, keys: list[str]) -> Problem:
-    """Returns the problem with its key in place of line and column, which are those of a text made from dicts."""
+    """Returns the problem with its key in place of line and column, which are those of a text made from dicts.
+
+    Problems of a file that the scene names keep their place.
+    """
+    if not problem.file.endswith("<dict>"):
+        return problem
     key = keys[problem.line - 1] if problem.line and problem.line <= len(keys) else ""
     return Problem(problem.message, problem.file, key=key)
 
