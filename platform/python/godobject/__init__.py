@@ -14,9 +14,12 @@ import pkgutil
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import FaultError, InputError, MotionError, Problem, ReadError, SceneError, SceneWarning
-    from .readers import Report, Trace, read_contacts, read_recording, read_report, read_trace
-    from .scene import Contacts, Rows, Scene
+    # "as": mypy --strict then lets programs of users import these names.
+    from .errors import FaultError as FaultError, InputError as InputError, MotionError as MotionError, Problem as Problem
+    from .errors import ReadError as ReadError, SceneError as SceneError, SceneWarning as SceneWarning
+    from .readers import Report as Report, Trace as Trace, read_contacts as read_contacts
+    from .readers import read_recording as read_recording, read_report as read_report, read_trace as read_trace
+    from .scene import Contacts as Contacts, Rows as Rows, Scene as Scene
 
 # The compiled module: beside this file if installed, else of a build directory in PYTHONPATH, or of build/release.
 __path__ = pkgutil.extend_path(__path__, __name__)

@@ -5,7 +5,7 @@ import os
 import pathlib
 import warnings
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -140,6 +140,14 @@ class Scene(Session):
         if n < 0:
             raise ValueError(f"n must be 0 or more, not {n}")
         self._step(n, 0)
+
+    @overload  # overlaps with the other, since an int may be 0
+    def run(self, motion: str | os.PathLike[str] | ArrayLike | None = None, *,  # type: ignore[misc]
+            duration: float | None = None, every: Literal[0]) -> None: ...
+
+    @overload
+    def run(self, motion: str | os.PathLike[str] | ArrayLike | None = None, *, duration: float | None = None,
+            every: int = 1) -> Rows: ...
 
     def run(self, motion: str | os.PathLike[str] | ArrayLike | None = None, *, duration: float | None = None,
             every: int = 1) -> Rows | None:
