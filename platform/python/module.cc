@@ -51,7 +51,7 @@ PYBIND11_MODULE(_core, module) {
       .def("_reset", &PySession::reset, py::arg("motion"), py::arg("file"))
       .def("_step", &PySession::step, py::arg("n"), py::arg("every"))
       .def("_num_steps", &PySession::num_steps, py::arg("duration"))
-      .def("_contacts", &PySession::contacts)
+      .def("_contacts", [](const py::object& self) { return self.cast<const PySession&>().contacts(self); })
       .def_property_readonly("_warnings", &PySession::warnings)
       .def_property_readonly("faults", &PySession::faults,
                              "name of each fault since the start: time of the first, s")

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -56,8 +57,41 @@ inline constexpr std::array body_quantities{
                  "w, x, y, z; without meaning for a body without a coupling"},
 };
 
+/// Quantity of each contact: name, and member of its view.
+struct ContactQuantity {
+  const char* name;
+  Vec3 ContactView::*of;
+};
+
+inline constexpr std::array contact_quantities{ContactQuantity{"points", &ContactView::p_W},
+                                               ContactQuantity{"normals", &ContactView::n_W},
+                                               ContactQuantity{"forces", &ContactView::F_W}};
+
 using Numbers = std::vector<double>;
 using Shape = std::vector<py::ssize_t>;
+
+/// Contacts of a state, in memory that stays in place, as views need it.
+class ContactNumbers {
+ public:
+  /// num: largest number of contacts, the same in each call.
+  void reserve(std::size_t num) {
+    for (Numbers& numbers : numbers_) numbers.resize(3 * num);
+  }
+  /// Writes the contacts; rows beyond them become zero.
+  void show(std::span<const ContactView> contacts) {
+    for (std::size_t k = 0; k < numbers_.size(); ++k) {
+      for (std::size_t i = 0; i < contacts.size(); ++i)
+        write(contacts[i].*contact_quantities[k].of, &numbers_[k][3 * i]);
+      for (std::size_t i = 3 * contacts.size(); i < 3 * num_shown_; ++i) numbers_[k][i] = 0;
+    }
+    num_shown_ = contacts.size();
+  }
+  const Numbers& of(std::size_t quantity) const { return numbers_[quantity]; }
+
+ private:
+  std::array<Numbers, contact_quantities.size()> numbers_;
+  std::size_t num_shown_ = 0;
+};
 
 /// Returns a read-only array of the numbers, which are in the memory of the owner.
 inline py::array view(const Numbers& numbers, const Shape& shape, const py::object& owner) {

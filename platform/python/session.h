@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -102,15 +103,12 @@ class PySession {
     return static_cast<std::uint64_t>(std::max(1LL, std::llround(s / scene_.step)));
   }
 
-  /// Returns the contacts that bear a force as arrays and names, as in the file of `run --contacts`.
-  py::dict contacts() const {
-    Numbers points(3 * num_touching_), normals(3 * num_touching_), forces(3 * num_touching_);
+  /// Returns the contacts that bear a force as views and names, as in the file of `run --contacts`.
+  /// self: this session in Python.
+  py::dict contacts(const py::object& self) const {
     std::vector<std::string> body, on;
     for (std::size_t i = 0; i < num_touching_; ++i) {
       const ContactView& c = touching_[i];
-      write(c.p_W, &points[3 * i]);
-      write(c.n_W, &normals[3 * i]);
-      write(c.F_W, &forces[3 * i]);
       body.push_back(c.is_node ? node_names_[c.a] : scene_.bodies[c.a].name);
       on.push_back(c.is_on_net    ? node_names_[c.b]
                    : c.b == world ? surface_names_[c.surface]
@@ -118,9 +116,8 @@ class PySession {
     }
     const Shape shape{length(num_touching_), 3};
     py::dict all;
-    all["points"] = array_of(std::move(points), shape);
-    all["normals"] = array_of(std::move(normals), shape);
-    all["forces"] = array_of(std::move(forces), shape);
+    for (std::size_t k = 0; k < contact_quantities.size(); ++k)
+      all[contact_quantities[k].name] = view(contact_numbers_.of(k), shape, self);
     all["body"] = body;
     all["on"] = on;
     return all;
@@ -183,6 +180,7 @@ class PySession {
     record_ = session_->at_start();
     const Engine& engine = session_->engine();
     touching_.resize(engine.composition().all_contacts());
+    contact_numbers_.reserve(touching_.size());
     nodes_.resize(engine.nets().nodes.size());
     name_surfaces_and_nodes(engine.nets());
     if (!session_->boot(usual_boot_limit_s)) raise_not_ready();
@@ -256,6 +254,7 @@ class PySession {
       add_bodies(record_, k, body_numbers_[k]);
     }
     num_touching_ = session_->engine().contacts(touching_);
+    contact_numbers_.show(std::span(touching_).first(num_touching_));
     session_->engine().net_nodes(nodes_);
     net_nodes_.resize(3 * nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) write(nodes_[i], &net_nodes_[3 * i]);
@@ -300,6 +299,7 @@ class PySession {
   std::array<Numbers, body_quantities.size()> body_numbers_;
   std::vector<ContactView> touching_;
   std::size_t num_touching_ = 0;
+  ContactNumbers contact_numbers_;
   std::vector<Vec3> nodes_;
   Numbers net_nodes_;
   std::vector<std::string> surface_names_, node_names_;

@@ -48,15 +48,32 @@ def test_quaternions_are_w_x_y_z():
     assert Scene.from_dict(parts).quaternions.tolist() == [[0.6, 0.8, 0.0, 0.0]]
 
 
-def test_contacts_are_copies():
+@pytest.mark.parametrize("name", ["points", "normals", "forces"])
+def test_contacts_are_views(name):
     scene = Scene("sim/scenes/lego.toml")
     scene.step(100)
     contacts = scene.contacts
-    assert len(contacts) == len(contacts.on) > 0 and contacts.forces.shape == (len(contacts), 3)
-    kept = contacts.forces.copy()
+    view = getattr(contacts, name)
+    assert len(contacts) == len(contacts.on) == len(contacts.body) > 0 and view.shape == (len(contacts), 3)
+    before = view.copy()
     scene.step(100)
-    assert (contacts.forces == kept).all()
-    assert not np.shares_memory(contacts.forces, scene.contacts.forces)
+    now = getattr(scene.contacts, name)
+    n = min(len(view), len(now))
+    assert np.shares_memory(view, now) and (view[:n] == now[:n]).all() and (view != before).any()
+    with pytest.raises(ValueError):
+        view[0] = 1
+    del scene, contacts
+    gc.collect()
+    assert (view[:n] == now[:n]).all()
+
+
+def test_a_view_of_contacts_that_are_gone_is_zero():
+    scene = Scene("sim/scenes/wall.toml")
+    scene.run(duration=2.0, every=0)
+    pressed = scene.contacts
+    assert len(pressed) > 0 and (pressed.forces != 0).any()
+    scene.reset()
+    assert len(scene.contacts) == 0 and not pressed.forces.any()
 
 
 def test_rows_are_their_own_memory():

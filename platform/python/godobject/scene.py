@@ -25,9 +25,10 @@ _WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 @dataclasses.dataclass(frozen=True)
 class Contacts:
-    """The contacts of one state that bear a force, n of them; copies, which further steps do not change.
+    """The n contacts of a state that bear a force.
 
-    points: m, world. normals: towards `body`. forces: on `body`, N, mean over the step; each (n, 3).
+    points: m, world. normals: towards `body`. forces: on `body`, N, mean over the step; each (n, 3), a view of the
+    scene's memory: take `contacts` again after a step, which may change their number.
     body: of the sphere or edge, or net of the node. on: the other body, net or obstacle.
     """
     points: NDArray[np.float64]
@@ -169,7 +170,7 @@ class Scene(Session):
 
     @property
     def contacts(self) -> Contacts:
-        """The contacts that bear a force now, as copies."""
+        """The contacts that bear a force now."""
         return Contacts(**self._contacts())
 
     def _table(self, motion: ArrayLike) -> str:
