@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "platform/python/input_log.h"
 #include "platform/python/session.h"
 
 namespace godobject {
@@ -44,6 +45,7 @@ PYBIND11_MODULE(_core, module) {
     }
   });
   module.def("keys_of_dict", &keys_of_dict, py::arg("scene"), py::arg("file"), py::arg("plain"));
+  module.def("read_input_log", &read_input_log, py::arg("path"));
   py::class_<PySession> type(module, "Session");
   type.def(py::init<const std::string&, const std::optional<py::dict>&, const py::function&,
                     const std::string&, bool>(),

@@ -20,6 +20,10 @@ inline void write(const Quat& q, double* to) {
   const std::array wxyz{q.w(), q.x(), q.y(), q.z()};
   std::ranges::copy(wxyz, to);
 }
+inline void write(const Pose& X, double* to) {
+  write(X.p, to);
+  write(X.q, to + 3);
+}
 inline void write(const Wrench& F, double* to) {
   write(F.f, to);
   write(F.tau, to + 3);

@@ -27,6 +27,8 @@ def test_stubs_have_all_names_of_the_module():
     stubbed = {node.name for node in session.body if isinstance(node, ast.FunctionDef)} - {"__init__"}
     real = {name for name in vars(core.Session) if not name.startswith("__") and name != "_pybind11_conduit_v1_"}
     assert stubbed == real
+    functions = {node.name for node in ast.parse(stub.read_text()).body if isinstance(node, ast.FunctionDef)}
+    assert functions == {name for name, value in vars(core).items() if callable(value) and not isinstance(value, type)}
     assert stub.with_name("py.typed").exists()
 
 

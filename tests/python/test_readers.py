@@ -1,7 +1,10 @@
 """Readers of the files of `godobject run`."""
+import re
+import warnings
+
 import numpy as np
 import pytest
-from godobject import ReadError, read_contacts, read_recording, read_report, read_trace
+from godobject import ReadError, Scene, SceneWarning, read_contacts, read_recording, read_report, read_trace
 
 
 @pytest.fixture
@@ -45,7 +48,14 @@ def test_bad_lines_are_named(files):
     (folder / "word.csv").write_text("\n".join(lines) + "\n")
     with pytest.raises(ReadError, match="zero") as caught:
         read_trace(folder / "word.csv")
-    assert caught.value.line == 6
+    assert caught.value.line == 6 and caught.value.column == lines[5].rfind(",", 0, lines[5].find("zero")) + 2
+    header = (folder / "c.csv").read_text().splitlines()[0]
+    for line, column in (("1,peg,wall,1,2,3,4,5,6,7,x,9", 26), ("1,peg,wall,1,2,3,4,5,6,7,8", 28),
+                         ("1,peg,wall,1,2,3,4,5,6,7,8,9,1", 30), ("?,peg,wall,1,2,3,4,5,6,7,8,9", 1)):
+        (folder / "contacts.csv").write_text(header + "\n" + line + "\n")
+        with pytest.raises(ReadError) as caught:
+            read_contacts(folder / "contacts.csv")
+        assert caught.value.line == 2 and caught.value.column == column
     (folder / "odd.csv").write_text("t,x\n0,1_000\n")  # a number for Python, not for numpy
     with pytest.raises(ReadError):
         read_trace(folder / "odd.csv")
@@ -82,3 +92,51 @@ def test_a_report_has_arrays(files):
     assert isinstance(histogram, np.ndarray) and histogram.shape[1] == 2
     assert histogram[:, 1].sum() == report["cycles"] == 300
     assert report["faults"] == []
+
+
+SCENES = ["wall", "palpate", "rigid", "grasper", "chain", "relative", "admittance", "net-small", "scissors-imposed", "grasp"]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_an_input_log_is_arrays(run, tmp_path, scene):
+    report = run(f"sim/scenes/{scene}.toml", "--duration", "0.3", "--trace", "{}/t.csv", "--record", "{}/run.godo")
+    trace, log = read_trace(tmp_path / "t.csv"), read_trace(tmp_path / "run.godo")
+    assert log.data.shape == (report["cycles"] + 1, len(log.columns)) and not log.data.flags.writeable
+    only_in_traces = re.compile(r".*\.(target|device|hand)\.|.*\.(engaged|clutch)$|energy|penetration$|contact|net_")
+    assert all(name in log or only_in_traces.match(name) for name in trace)
+    for name in filter(log.__contains__, trace):
+        assert np.array_equal(trace[name][1:], log[name][1:], equal_nan=True), name
+    assert (log["fault"] == trace["fault"]).all() and (log["limited"] == trace["limited"]).all()
+    for body in Scene(f"sim/scenes/{scene}.toml").bodies:
+        assert (log.positions(body) == trace.positions(body)).all() and (log.twists(body) == trace.twists(body)).all()
+        assert set(log[f"{body}.input.valid"]) <= {0, 1}
+
+
+def test_inputs_of_a_log_are_those_of_the_core(run, tmp_path):
+    run("sim/scenes/wall.toml", "--duration", "0.5", "--trace", "{}/t.csv", "--record", "{}/run.godo")
+    trace, log = read_trace(tmp_path / "t.csv"), read_trace(tmp_path / "run.godo")
+    assert (log.positions("peg.input")[1:] == trace.positions("peg.target")[1:]).all()
+    assert np.ptp(log.positions("peg.input")[:, 0]) > 1e-3 and (log["peg.input.engaged"][1:] == 1).all()
+
+
+def test_a_cut_or_damaged_input_log_warns(run, tmp_path):
+    run("sim/scenes/wall.toml", "--duration", "0.5", "--record", "{}/run.godo")
+    path, whole = tmp_path / "run.godo", (tmp_path / "run.godo").read_bytes()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rows = read_trace(path)
+    path.write_bytes(whole[:-2000])
+    with pytest.warns(SceneWarning, match="was cut") as caught:
+        cut = read_trace(path)
+    assert caught[0].filename == __file__
+    assert 1 < len(cut.t) < len(rows.t) and (cut.data == rows.data[:len(cut.t)]).all()
+    damaged = bytearray(whole)
+    damaged[len(whole) // 2] ^= 1
+    path.write_bytes(damaged)
+    with pytest.warns(SceneWarning, match="damaged bytes"):
+        assert 1 < len(read_trace(path).t) < len(rows.t)
+    for bytes_, message in ((whole[:200], "was cut at its beginning"), (b"godolog9" + whole[8:], "another format")):
+        path.write_bytes(bytes_)
+        with pytest.raises(ReadError, match=message) as error:
+            read_trace(path)
+        assert error.value.file == str(path)

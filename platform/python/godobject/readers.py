@@ -2,13 +2,14 @@
 import csv
 import json
 import os
+import warnings
 from collections.abc import Iterator, Mapping
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import Problem, ReadError
+from .errors import Problem, ReadError, SceneWarning
 from .hil.errors import HilError
 from .hil.frames import read_candump
 
@@ -21,7 +22,7 @@ _WRENCH = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
 class Trace(Mapping[str, NDArray[np.float64]]):
-    """Columns by name, each an array over time; a file of `run --trace` or `run --nets`.
+    """Columns by name, each an array over time; a file of `run --trace`, `run --nets`, or a .godo file.
 
     data: all of them, (rows, columns).
 
@@ -53,11 +54,11 @@ class Trace(Mapping[str, NDArray[np.float64]]):
         return self["t"]
 
     def positions(self, of: str) -> NDArray[np.float64]:
-        """Returns (rows, 3): x, y, z of a body, "BODY.target", "TARGET.device" or "NET.NUMBER"."""
+        """Returns (rows, 3): x, y, z of a body, "BODY.target", "TARGET.device", "NET.NUMBER" or "BODY.input"."""
         return self._columns(of, _POINTS)
 
     def quaternions(self, of: str) -> NDArray[np.float64]:
-        """Returns (rows, 4): w, x, y, z of a body, "BODY.target" or "TARGET.device"."""
+        """Returns (rows, 4): w, x, y, z of a body, "BODY.target", "TARGET.device" or "BODY.input"."""
         return self._columns(of, _QUATERNION)
 
     def twists(self, body: str) -> NDArray[np.float64]:
@@ -76,10 +77,16 @@ class Trace(Mapping[str, NDArray[np.float64]]):
 
 
 def read_trace(path: str | os.PathLike[str]) -> Trace:
-    """Reads the file of `run --trace` or `run --nets`. The last line of a run that was killed is left out.
+    """Reads the file of `run --trace` or `run --nets`, or a .godo file of `run --record` or `--on-fault`.
 
-    Raises ReadError with the line.
+    The last line of a run that was killed is left out. Raises ReadError with line and column.
+
+    A .godo file has states and forces as a trace, bit for bit, and each sample that the core received: of a body the
+    pose BODY.input.x, ..., .qz, the twist .vx, ..., the hand's wrench .fx, ..., coordinates .q1, .q2 of a prescribed
+    joint, and .valid, .engaged, .clutch. Needs the compiled module. Missing rows are a SceneWarning.
     """
+    if _begin(path).startswith(b"godolog"):
+        return _read_input_log(path)
     lines = _lines(path)
     columns = lines[0].split(",")
     if columns[0] != "t":
@@ -96,6 +103,22 @@ def read_trace(path: str | os.PathLike[str]) -> Trace:
     return Trace(columns, data)
 
 
+def _begin(path: str | os.PathLike[str]) -> bytes:
+    try:
+        with open(path, "rb") as file:
+            return file.read(16)
+    except OSError as error:
+        _refuse(path, f"cannot be read: {error.strerror}", None)
+
+
+def _read_input_log(path: str | os.PathLike[str]) -> Trace:
+    from ._core import read_input_log
+    columns, data, note = read_input_log(os.fspath(path))
+    if note:
+        warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=3)
+    return Trace(columns, data)
+
+
 CONTACT = np.dtype([("t", "f8"), ("body", "U64"), ("on", "U64"), ("point", "f8", 3), ("normal", "f8", 3), ("force", "f8", 3)])
 
 
@@ -106,11 +129,11 @@ def read_contacts(path: str | os.PathLike[str]) -> NDArray[np.void]:
         _refuse(path, "the columns are not those of run --contacts", 1)
     rows = []
     for number, row in enumerate(csv.reader(lines[1:]), 2):
-        try:
-            x = [float(text) for text in row[3:]]
-            rows.append((float(row[0]), row[1], row[2], x[:3], x[3:6], x[6:9]))
-        except (ValueError, IndexError):
-            _refuse(path, "the line is not that of a contact", number)
+        wrong = next((i for i, text in enumerate(row) if i not in (1, 2) and not _is_number(text)), min(len(row), 12))
+        if (wrong, len(row)) != (12, 12):
+            _refuse(path, "the line is not that of a contact", number, _column(row, wrong))
+        t, *x = (float(text) for text in [row[0], *row[3:]])
+        rows.append((t, row[1], row[2], x[:3], x[3:6], x[6:9]))
     return np.array(rows, dtype=CONTACT)
 
 
@@ -181,12 +204,23 @@ def _refuse_row(path: str | os.PathLike[str], lines: list[str], columns: int) ->
         fields = line.split(",")
         if line and len(fields) != columns:
             _refuse(path, f"the line has {len(fields)} numbers in place of {columns}", number)
-        for field in fields if line else []:
-            try:
-                float(field)
-            except ValueError:
-                _refuse(path, f"{field[:40]!r} is not a number", number)
+        for i, field in enumerate(fields if line else []):
+            if not _is_number(field):
+                _refuse(path, f"{field[:40]!r} is not a number", number, _column(fields, i))
     _refuse(path, "the lines are not numbers between commas", 2)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _column(fields: list[str], i: int) -> int:
+    """Returns the column, from 1, at which the i-th field of a line begins."""
+    return 1 + sum(len(field) + 1 for field in fields[:i])
 
 
 def _refuse(path: str | os.PathLike[str], message: str, line: int | None, column: int | None = None) -> NoReturn:
