@@ -1,5 +1,7 @@
 """godobject.device: a program of the user as the device. Its force ends on every way out of the run."""
+import itertools
 import json
+import math
 import os
 import signal
 import subprocess
@@ -8,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from godobject import hil
 from godobject.device import Device, Pose
 
 pytestmark = pytest.mark.simulated
@@ -20,15 +23,16 @@ class Pushed(Device):
 
     def __init__(self, run, signum):
         self.process, self.signum = run, signum
-        self.felt_s = self.sent_s = self.zero_s = None
+        self.start_s = self.felt_s = self.sent_s = self.zero_s = None
 
-    def read(self, t_s):
+    def read(self):
+        self.start_s = self.start_s or time.monotonic()
         if self.felt_s and not self.sent_s and time.monotonic() > self.felt_s + 0.3:
             self.sent_s = time.monotonic()
             self.process.send_signal(self.signum)
         if self.zero_s:
             self.process.send_signal(signal.SIGCONT)
-        return Pose(p_m=(0.095 * min(t_s, 1), 0, 0))
+        return Pose(p_m=(0.095 * min(time.monotonic() - self.start_s, 1), 0, 0))
 
     def show(self, wrench):
         self.last = wrench
@@ -67,6 +71,42 @@ def test_the_force_ends_with_the_run(program, tmp_path, signum):
     report = json.loads((tmp_path / "report.json").read_text())["device_program"]
     assert report["samples"] > 500 and report["malformed"] == 0 and report["connections"] == 1
     assert not os.path.exists(path)
+
+
+class Unreliable(Device):
+    """Rests. Every tenth pose is late, of the future, or none; now and then it is 0.5 m away."""
+
+    def __init__(self):
+        self.number = itertools.count()
+        self.sent = {"malformed": 0, "late": 0, "samples": 0}
+
+    def read(self):
+        nan, now, number = math.nan, time.monotonic(), next(self.number)
+        wrong = [("malformed", Pose((nan, 0, 0))), ("malformed", Pose((0, math.inf, 0))), ("malformed", Pose((0, 0, 1e9))),
+                 ("malformed", Pose((0, 0, 0), (0, 0, 0, 0))), ("malformed", Pose((0, 0, 0), (nan, 0, 0, 0))),
+                 ("malformed", Pose((0, 0, 0), t_s=nan)), ("malformed", Pose((0, 0, 0), t_s=now + 5)),
+                 ("late", Pose((0, 0, 0), t_s=now - 0.2)), ("late", Pose((0, 0, 0), t_s=0.0))]
+        kind, pose = ("samples", Pose((0, 0.5 * (number % 500 > 480), 0), t_s=now - 1e-3))
+        if number > 500 and number % 10 == 0:
+            kind, pose = wrong[number // 10 % len(wrong)]
+        self.sent[kind] += 1
+        return pose
+
+
+def test_late_and_absurd_samples_are_counted_and_jumps_are_walked(program, tmp_path):
+    with hil.Process([program, "run", SOURCE / "sim/scenes/wall.toml", "--device", tmp_path / "hand.sock", "--quiet",
+                      "--report", tmp_path / "report.json", "--trace", tmp_path / "t.csv"]) as run:
+        device = Unreliable()
+        device.run(str(tmp_path / "hand.sock"), duration_s=3)
+        run.stop()
+    report = json.loads((tmp_path / "report.json").read_text())["device_program"]
+    assert report["malformed"] == device.sent["malformed"] > 100
+    # A busy machine makes further samples late.
+    assert report["late"] >= device.sent["late"] > 30 and report["samples"] > 0.5 * device.sent["samples"]
+    trace = hil.read_trace(tmp_path / "t.csv")
+    assert not any(math.isnan(x) for name, column in trace.items() for x in column)
+    y = trace["peg.target.y"]
+    assert max(abs(b - a) for a, b in zip(y, y[1:])) <= 2e-3 * (1 + 1e-9) and max(y) > 5e-3  # 2 m/s
 
 
 def test_a_device_without_a_run_is_told_the_command(tmp_path):

@@ -1,8 +1,8 @@
 """A device of your own: poses of a hand to `godobject run --device SOCKET`, and the wrench to display.
 
     class MyDevice(Device):
-        def read(self, t_s): return Pose(p_m=(0, 0, 0.01))
-        def show(self, wrench): print(wrench.f_N)
+        def read(self) -> Pose: return Pose(p_m=(0, 0, 0.01))
+        def show(self, wrench: Wrench) -> None: print(wrench.f_N)
 
     MyDevice().run("/tmp/hand.sock")
 
@@ -26,12 +26,16 @@ SILENT_S = 0.02  # without a wrench, after which the force ends
 
 @dataclasses.dataclass
 class Pose:
-    """The hand's pose in the world. `valid=False` where the device does not know it: the pose is then held."""
+    """The hand's pose in the world. `valid=False` where the device does not know it: the pose is then held.
+
+    t_s: time of measurement, time.monotonic(); None: that of sending it.
+    """
     p_m: Vector
     q_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     clutch_open: bool = False
     button: bool = False  # grips the nearest body, or releases
     valid: bool = True
+    t_s: float | None = None
 
 
 @dataclasses.dataclass
@@ -46,8 +50,8 @@ class Wrench:
 class Device:
     rate_hz = 1000.0
 
-    def read(self, t_s: float) -> Pose:
-        """Returns the pose at this instant. t_s: time since the connection."""
+    def read(self) -> Pose:
+        """Returns the newest pose of the hand."""
         raise NotImplementedError
 
     def show(self, wrench: Wrench) -> None:
@@ -66,10 +70,11 @@ class Device:
         number, silent = 0, True
         while time.monotonic() - start < duration_s:
             number += 1
-            pose = self.read(time.monotonic() - start)
+            pose = self.read()
             flags = CLUTCH_OPEN * pose.clutch_open | BUTTON * pose.button | NOT_VALID * (not pose.valid)
+            t_s = time.monotonic() if pose.t_s is None else pose.t_s
             try:
-                run.send(POSE.pack(POSE_MAGIC, number, time.monotonic(), *pose.p_m, *pose.q_wxyz, flags, 0))
+                run.send(POSE.pack(POSE_MAGIC, number, t_s, *pose.p_m, *pose.q_wxyz, flags, 0))
             except BlockingIOError:
                 pass  # the run is behind: this pose is left out
             except (BrokenPipeError, ConnectionResetError):
