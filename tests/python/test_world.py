@@ -45,6 +45,10 @@ phase = [-1.5707963267948966, 0.0, 0.0]
         assert not Path("/dev/shm", self.name).exists()
         return lines + out, read_report(self.folder / "report.json")["world"]
 
+    def was_held(self):
+        """True if a busy machine has let the ended run miss so many deadlines that it may have held the hand."""
+        return read_report(self.folder / "report.json")["timing"]["missed_deadlines"] >= 20
+
 
 @pytest.fixture
 def run_later(tmp_path):
@@ -62,11 +66,33 @@ def run(run_later):
     return run_later
 
 
+def take_priority():
+    """Gives this process a real-time priority below that of the run, if the machine permits it."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+    except PermissionError:
+        pass
+
+
 def wall(x=0.035):
     return Plane(1, p_m=(x, 0, 0), n=(-1, 0, 0))
 
 
-def test_the_tool_is_pushed_by_the_impulses_that_the_world_gets(run):
+def test_the_tool_is_pushed_by_the_impulses_that_the_world_gets(run_later):
+    for _ in range(4):
+        run_later.start()
+        pushed, lines, report = pushed_by_wall(run_later)
+        if not run_later.was_held():
+            break
+    assert "the world sends planes" in lines
+    assert report["malformed"] == 0 and report["packets"] > 50 and report["live"]
+    trace = read_trace(run_later.folder / "t.csv")
+    assert trace.positions("peg")[:, 0].max() < 0.0225  # at 40 mm without the plane
+    assert 4 < pushed < 12  # N s: up to 9 N for some 1.5 s
+
+
+def pushed_by_wall(run):
+    """Presses the tool on a wall; returns the impulse on the wall, N s, and the end of the run."""
     pushed, numbers = 0.0, []
     with World(run.name) as world:
         assert world.num_planes == 6 and world.step_s == 1e-3
@@ -78,12 +104,7 @@ def test_the_tool_is_pushed_by_the_impulses_that_the_world_gets(run):
             pushed += sum(impulse.J_Ns[0] for impulse in tool.impulses.values())
             world.write([wall()], valid_s=1.0)
     assert numbers == sorted(set(numbers))
-    lines, report = run.end()
-    assert "the world sends planes" in lines
-    assert report["malformed"] == 0 and report["packets"] > 50 and report["live"]
-    trace = read_trace(run.folder / "t.csv")
-    assert trace.positions("peg")[:, 0].max() < 0.0225  # at 40 mm without the plane
-    assert 4 < pushed < 12  # N s: up to 9 N for some 1.5 s
+    return pushed, *run.end()
 
 
 def test_absurd_bytes_and_a_killed_world(run):
@@ -137,18 +158,19 @@ def test_mujoco_as_the_slow_world(run_later):
         pytest.skip("no node, or no MuJoCo: ./dev study --peers fetches it")
     for _ in range(8):
         world = subprocess.Popen(["node", str(SOURCE / "tests/python/mujoco_world.mjs"), str(PACKAGES), run_later.name,
-                                  "3.6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                  "3.6"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                 preexec_fn=take_priority)
         assert world.stdout.readline() == "ready\n", world.communicate()  # before the run, whose hand moves
         run_later.start()
         printed, errors = world.communicate(timeout=60)
         assert world.returncode == 0, errors
         _, report = run_later.end()
         block = json.loads(printed)
-        missed = read_report(run_later.folder / "report.json")["timing"]["missed_deadlines"]
-        if block["longest_s"] < 1 / 60 + 0.03 and missed < 20:
+        if block["longest_s"] < 1 / 60 + 0.03 and not run_later.was_held():
             break  # else either got no processor for longer than the jitter of 30 ms that is promised: again
     else:
-        pytest.skip(f"the machine is busy: MuJoCo's longest of 8 runs took {block['longest_s']:.3f} s for a period")
+        pytest.skip(f"the machine is busy: after 8 runs a period of MuJoCo took {block['longest_s']:.3f} s, or the loop "
+                    "missed deadlines")
     assert report["malformed"] == 0 and report["packets"] > 100
     # At 2.5 s the hand is 20 mm beyond the touch. Springs in series: coupling, four corners, the block's.
     force = 0.020 / (1 / 500 + 1 / 4000 + 1 / 400)
