@@ -85,10 +85,10 @@ void DevicePhases::advance(double t) noexcept {
   switch (phase()) {
     case RunPhase::booting: return boot(begin(t));
     case RunPhase::running_down: return run_down(begin(t));
-    case RunPhase::closing: return close(begin(t));
+    case RunPhase::closing:
+    case RunPhase::ended: return close(begin(t));  // after the end, only time passes
     case RunPhase::off:
-    case RunPhase::running:
-    case RunPhase::ended: return;
+    case RunPhase::running: return;
   }
 }
 

@@ -219,7 +219,7 @@ struct Recovery {
 /// never came up is not awaited.
 class Recoveries {
  public:
-  /// real: null for simulated buses, whose time stands still meanwhile.
+  /// real: null for simulated buses, on which the pauses pass in simulated time, and for logs.
   Recoveries(Session& session, RunCycle& cycle, const RunPlan& plan, const RigOnBuses* real,
              const std::atomic<bool>& stop, RunEvents& events)
       : session_(session), cycle_(cycle), plan_(plan), real_(real), stop_(stop), events_(events) {}
@@ -230,6 +230,7 @@ class Recoveries {
 
  private:
   void note();
+  bool wait(double time_s);
   bool reopen();
   void tell(RunEventKind kind, std::string cause, std::string remedy);
 

@@ -32,9 +32,10 @@ bool Recoveries::again() {
          "--rearm auto ARMS it again as soon as it is back");
   for (bool up = false; !up; ++recovery.boots) {
     if (!real_ && recovery.boots == max_simulated_boots) return false;
+    if (!wait(pause_after(recovery.boots))) return false;
     if (!real_) {
       up = true;
-    } else if (!pause(pause_after(recovery.boots), stop_) || !reopen()) {
+    } else if (!reopen()) {
       return false;
     } else {
       const std::vector<std::string> not_set_up = commission(*real_, stop_);
@@ -68,6 +69,16 @@ void Recoveries::tell(RunEventKind kind, std::string cause, std::string remedy) 
   const Nanoseconds now = real_ ? MonotonicClock{}.now() : session_.bus_time_ns();
   events_.tell(kind, 1e-9 * static_cast<double>(now - session_.motion_start_ns()), std::move(cause),
                std::move(remedy));
+}
+
+// Lets a time pass on the clock of the buses. A log has the pauses of its own host. Returns false to stop.
+bool Recoveries::wait(double time_s) {
+  if (real_) return pause(time_s, stop_);
+  CycleRecord none;
+  if (!plan_.log)
+    for (double s = 0; s < time_s && !stop_; s += session_.scene().step)
+      static_cast<void>(session_.advance(none));
+  return !stop_;
 }
 
 bool Recoveries::reopen() {
