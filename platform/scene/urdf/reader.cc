@@ -194,6 +194,14 @@ class UrdfReader {
     link.inertial = read;
   }
 
+  /// Leaves out a sphere of radius 0, by which some descriptions mark a point of contact.
+  void leave_out_point(const XMLElement& sphere, const std::string& owner) {
+    ++robot_.left_out["<sphere> of radius 0"];
+    log_.warning(
+        place_of(sphere),
+        owner + ": a sphere of radius 0 is left out; give it one, or add a [[body.sphere]] to the scene");
+  }
+
   void read_shape(const XMLElement& e, const std::string& owner, UrdfLink& link) {
     leave_out_others(e, {"origin", "geometry"}, {"contact_coefficients", "verbose"});
     const XMLElement* const geometry = child(e, "geometry", owner);
@@ -207,6 +215,7 @@ class UrdfReader {
       shape.size = numbers<3>(*solid, "size", owner);
     } else if (kind == "sphere") {
       shape.kind = UrdfShapeKind::sphere;
+      if (number(*solid, "radius", owner) == 0) return leave_out_point(*solid, owner);
       shape.radius = length(*solid, "radius", owner);
     } else if (kind == "cylinder") {
       shape.kind = UrdfShapeKind::cylinder;

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <set>
 
-#include "core/device/holding.h"
+#include "core/math/pose.h"
 #include "core/math/so3.h"
 #include "platform/scene/mesh/file.h"
 #include "platform/scene/scene.h"
@@ -16,7 +16,6 @@ namespace godobject {
 namespace {
 
 constexpr double rounding = 1e-14;         // below it numbers are rounding errors of turned frames
-constexpr double stop_width = 0.01;        // of the joint's range
 constexpr double depth_of_weight = 1e-4;   // m, by which the weight of all bodies presses in a chosen contact
 constexpr double standard_gravity = 9.81;  // m/s^2
 
@@ -93,10 +92,10 @@ class UrdfScene {
     if (group.start != 0)
       comment("starts with joint " + group.joint->name +
               (group.joint->mimic ? " where its <mimic> puts it" : " at its limit nearest to zero"));
-    pose("", composed(group.X_W, {group.c, Quat::Identity()}));
+    pose("", group.X_W * Pose{group.c, Quat::Identity()});
     for (const auto& [link, joint, X_L] : group.links)
       for (const UrdfShape& shape : link->shapes) {
-        const Pose X = composed(X_L, shape.X_L);
+        const Pose X = X_L * shape.X_L;
         if (!is_solid(shape, *link)) continue;
         write_solid("[[body.shape]]", "", shape, {X.p - group.c, X.q});
         shaped_tools_.insert(group.tool);
@@ -196,7 +195,7 @@ class UrdfScene {
         }
         std::string title = link->name;
         for (int i = 2; names.contains(title); ++i) title = link->name + "_" + std::to_string(i);
-        const Pose X = composed(X_L, shape.X_L);
+        const Pose X = X_L * shape.X_L;
         if (shape.kind == UrdfShapeKind::mesh) {
           if (!write_mesh(shape, *link, title, X)) continue;
         } else {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/device/holding.h"
+#include "core/math/pose.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/key.h"
 #include "platform/scene/urdf/urdf.h"
@@ -17,7 +17,7 @@ namespace {
 /// Sets mass, centre and inertia of rigidly joined links:
 /// c = sum m_i c_i / m,  I = sum (R_i I_i R_i^T + m_i (|d_i|^2 1 - d_i d_i^T)),  d_i = c_i - c
 void weigh(UrdfGroup& group) {
-  const auto centre = [](const UrdfInertial& part, const Pose& X) { return Vec3(X.p + X.q * part.p_L); };
+  const auto centre = [](const UrdfInertial& part, const Pose& X) { return X * part.p_L; };
   for (const auto& [link, joint, X] : group.links) {
     if (!link->inertial) continue;
     group.mass += link->inertial->mass;
@@ -93,6 +93,24 @@ class UrdfTree {
       if (!leaders.insert(next).second || leaders.contains(joint_named(next->mimic->joint)))
         return refuse(" follows itself by <mimic>, over joint " + excerpt(next->name) +
                       ": remove one <mimic> of the ring");
+    check_limits(joint, *leader);
+  }
+
+  /// Warns if a joint follows another beyond its own limits: its stops would hold both.
+  void check_limits(const UrdfJoint& joint, const UrdfJoint& leader) {
+    if (!joint.limit || !leader.limit) return;
+    const auto follows = [&](double q) { return joint.mimic->multiplier * q + joint.mimic->offset; };
+    const auto [first, last] = std::minmax({follows(leader.limit->lower), follows(leader.limit->upper)});
+    const double slack = stop_width * (joint.limit->upper - joint.limit->lower);
+    if (first >= joint.limit->lower - slack && last <= joint.limit->upper + slack) return;
+    const auto range = [](double from, double to) {
+      return shortest_plain(from) + " to " + shortest_plain(to);
+    };
+    log_.warning(joint.mimic->at,
+                 "joint " + excerpt(joint.name) + " follows joint " + excerpt(leader.name) + " from " +
+                     range(first, last) + ", beyond its own limits of " +
+                     range(joint.limit->lower, joint.limit->upper) +
+                     ", whose stops then hold both: correct <limit>, or the multiplier of <mimic>");
   }
 
   /// Returns the coordinate at the start. Only of joints that check_mimic() accepts.
@@ -170,7 +188,7 @@ class UrdfTree {
       Pose motion;
       if (joint && joint->kind == UrdfJointKind::prismatic) motion.p = group.start * joint->axis_C;
       else if (joint) motion.q = Quat(Eigen::AngleAxisd(group.start, joint->axis_C));
-      group.X_W = composed(composed(groups_[now.on].X_W, now.X), motion);
+      group.X_W = groups_[now.on].X_W * now.X * motion;
       const bool is_free = now.on == urdf_ground || (joint && joint->kind == UrdfJointKind::floating);
       group.tool = is_free ? groups_.size() : groups_[now.on].tool;
       groups_.push_back(group);
@@ -182,7 +200,7 @@ class UrdfTree {
     if (children == children_.end()) return;
     for (auto child = children->second.rbegin(); child != children->second.rend(); ++child)
       if (const auto link = links_.find((*child)->child); link != links_.end())
-        next.push_back({link->second, *child, on, composed(X, (*child)->X_PC)});
+        next.push_back({link->second, *child, on, X * (*child)->X_PC});
   }
 
   void check_masses() {

@@ -51,6 +51,9 @@ struct UrdfLimit {
   double effort = 0;            // N m or N, > 0
 };
 
+/// Width of a joint's stops, as a share of its range.
+inline constexpr double stop_width = 0.01;
+
 /// Coordinate that follows another joint's: multiplier times it, plus offset.
 struct UrdfMimic {
   TextPosition at;

@@ -262,6 +262,21 @@ TEST(UrdfImport, MimicOfNothingIsRefused) {
               ElementsAre(HasSubstr("with multiplier 0")));
 }
 
+/// A jaw whose multiplier turns it out of its limits of 0 to 0.04 m, as some published grippers have.
+TEST(UrdfImport, MimicBeyondTheLimitsOfItsJointIsAWarning) {
+  const auto warnings = [](const std::string& multiplier) {
+    return imported("<robot name=\"r\">\n" + gripper_hand + jaw("left", "0", "") +
+                    jaw("right", "3.14", "<mimic joint=\"left_slide\" multiplier=\"" + multiplier + "\"/>") +
+                    "</robot>")
+        .warnings;
+  };
+  EXPECT_THAT(warnings("1"), IsEmpty());
+  EXPECT_THAT(
+      warnings("-1"),
+      ElementsAre(HasSubstr("joint 'right_slide' follows joint 'left_slide' from -0.04 to 0, beyond its "
+                            "own limits of 0 to 0.04")));
+}
+
 TEST(UrdfImport, AJointStartsAtTheLimitNearestToZero) {
   const Imported robot = accepted(
       link("base", "") + heavy("arm") +
@@ -306,6 +321,15 @@ TEST(UrdfImport, ShapesOfMovingLinksAreSolidsOrLeftOutByName) {
   EXPECT_THAT(robot.warnings, ElementsAre(HasSubstr("link 'a': cylinder shorter than wide is left out"),
                                           HasSubstr("link 'a': mesh 'a.dae' is left out")));
   EXPECT_THAT(robot.toml, HasSubstr("# left out: mesh 'a.dae' of link a"));
+}
+
+TEST(UrdfImport, ContactPointsWithoutARadiusAreLeftOutByName) {
+  const Imported robot =
+      imported("<robot name=\"r\">" + heavy("a", collision("<sphere radius=\"0.0\"/>")) + "</robot>");
+  EXPECT_THAT(robot.loaded.errors, IsEmpty()) << robot.toml;
+  EXPECT_THAT(robot.body("a").shapes, IsEmpty());
+  EXPECT_THAT(robot.warnings, ElementsAre(HasSubstr("link 'a': a sphere of radius 0 is left out")));
+  EXPECT_THAT(robot.toml, HasSubstr("<sphere> of radius 0 (1)"));
 }
 
 class UrdfMesh : public ProgramTest {};
