@@ -45,6 +45,7 @@ std::string where_it_runs(const RunOptions& options, const PreparedRun& prepared
     case BusChoice::sim: return "simulated";
     case BusChoice::direct:
       if (prepared.spacemouse) return "a SpaceMouse, by spacenavd";
+      if (prepared.has_own_device) return "that of this program";
       return "none: the motion drives the core";
     case BusChoice::real: break;
   }

@@ -64,7 +64,7 @@ std::string hint_for(const CLI::App& app, int argc, char** argv) {
 }
 
 /// Runs the program. Throws if memory runs out or on a defect.
-ExitCode run(int argc, char** argv, const LinkedSimulation& simulation) {
+ExitCode run(int argc, char** argv, const ProgramParts& parts) {
   ExitCode code = ExitCode::ok;
   CLI::App app("Couple a tool in a simulated scene to a tracked device by a damped spring.", "godobject");
   app.set_version_flag("--version", GODOBJECT_VERSION);
@@ -72,7 +72,7 @@ ExitCode run(int argc, char** argv, const LinkedSimulation& simulation) {
   app.formatter(std::make_shared<HelpFormat>());
   app.footer(
       "Exit codes: 0 ok, 1 fault during the run, 2 usage or configuration, 3 not available on this machine.");
-  add_verbs(app, simulation, code);
+  add_verbs(app, parts, code);
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
@@ -91,12 +91,12 @@ ExitCode run(int argc, char** argv, const LinkedSimulation& simulation) {
 
 }  // namespace
 
-void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code) {
-  const FaultChecks& checks = simulation.devices.faults;
-  add_run(app, simulation.devices, code);
-  add_check(app, simulation.devices, code);
+void add_verbs(CLI::App& app, const ProgramParts& parts, ExitCode& code) {
+  const FaultChecks& checks = parts.simulated.faults;
+  add_run(app, parts, code);
+  add_check(app, parts, code);
   add_doctor(app, checks, code);
-  if (simulation.add_verb != nullptr) simulation.add_verb(app, code);
+  if (parts.add_verb != nullptr) parts.add_verb(app, code);
   add_view(app, checks, code);
   add_accuracy(app, checks, code);
   add_replay(app, checks, code);
@@ -114,8 +114,9 @@ void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code
   add_documents(app, code);
 }
 
-int run_program(int argc, char** argv, const LinkedSimulation& simulation) {
+int run_program(int argc, char** argv, const ProgramParts& parts) {
   ExitCode code = ExitCode::not_available;
+  if (parts.engine != nullptr) wrap_engines(parts.engine);
   if (!keep_standard_descriptors()) {
     std::fputs(
         "/dev/null cannot be opened, and a standard stream is closed: mount /dev, or open the stream\n",
@@ -124,7 +125,7 @@ int run_program(int argc, char** argv, const LinkedSimulation& simulation) {
   }
   const auto guarded = [&] {
     try {
-      code = run(argc, argv, simulation);
+      code = run(argc, argv, parts);
     } catch (const std::bad_alloc&) {
       std::fputs(
           "out of memory: use a smaller scene or a shorter motion, or raise the limit of memory (ulimit "

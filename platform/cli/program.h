@@ -4,9 +4,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
+#include "core/math/pose.h"
+#include "platform/device/hand_device.h"
+#include "platform/engine/wrapped.h"
 #include "platform/session/session.h"
 
 namespace CLI {
@@ -26,14 +30,27 @@ enum class ExitCode : int {
 struct FaultChecks;
 struct RunOptions;
 
+/// Makes the device of a run, whose functions are called on the real-time thread. Returns null with the
+/// reason and the remedy in why_not.
+using DeviceMaker = std::unique_ptr<HandDevice> (*)(const SceneConfig& scene, std::string& why_not);
+
+/// Parts of a program. Default: none but those of all programs.
+struct ProgramParts {
+  SimulatedDevices simulated{};  // devices of scenes, if simulated ones are linked
+  void (*add_verb)(CLI::App& app, ExitCode& code) = nullptr;  // adds `simulate`
+  EngineWrapper engine = nullptr;                             // step of the program, in runs and replays
+  // Device of each run that has a coupled body, without --bus and other options that give a device.
+  DeviceMaker device = nullptr;
+};
+
 /// Adds the options of `run`, which `check` shares.
 void add_run_options(CLI::App& verb, RunOptions& options);
 
 // Each function adds its verb to `app`. When the verb has run, its exit code is in `code`, which outlives
-// `app`. Verbs that read scenes receive the simulation of the program.
-void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
-void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code);
-// only in programs that simulate, see LinkedSimulation
+// `app`. Verbs that read scenes receive the parts of the program.
+void add_run(CLI::App& app, const ProgramParts& parts, ExitCode& code);
+void add_check(CLI::App& app, const ProgramParts& parts, ExitCode& code);
+// only in programs that simulate, see ProgramParts
 void add_simulate(CLI::App& app, ExitCode& code);
 void add_doctor(CLI::App& app, const FaultChecks& checks, ExitCode& code);
 void add_view(CLI::App& app, const FaultChecks& checks, ExitCode& code);
@@ -56,16 +73,10 @@ void add_documents(CLI::App& app, ExitCode& code);
 ExitCode replay_input_log(const std::string& file, const FaultChecks& checks,
                           std::function<bool(std::string_view)> rows);
 
-/// Functions of a program that links simulated devices. Default: none.
-struct LinkedSimulation {
-  SimulatedDevices devices{};
-  void (*add_verb)(CLI::App& app, ExitCode& code) = nullptr;  // adds `simulate`
-};
-
 /// Adds all verbs, in the order of help.
-void add_verbs(CLI::App& app, const LinkedSimulation& simulation, ExitCode& code);
+void add_verbs(CLI::App& app, const ProgramParts& parts, ExitCode& code);
 
 /// Runs the program and returns the exit code of main().
-int run_program(int argc, char** argv, const LinkedSimulation& simulation);
+int run_program(int argc, char** argv, const ProgramParts& parts);
 
 }  // namespace godobject

@@ -4,12 +4,10 @@
 //     using WrappedEngine::WrappedEngine;
 //     Wrench feedback(std::size_t i) const noexcept override { ... }
 //   };
-//   int main(int argc, char** argv) {
-//     wrap_engines([](std::unique_ptr<Engine> engine, const SceneConfig&) -> std::unique_ptr<Engine> {
-//       return std::make_unique<Needle>(std::move(engine));
-//     });
-//     return run_program(argc, argv, {});
+//   std::unique_ptr<Engine> with_needle(std::unique_ptr<Engine> engine, const SceneConfig&) {
+//     return std::make_unique<Needle>(std::move(engine));
 //   }
+//   int main(int argc, char** argv) { return run_program(argc, argv, {.engine = with_needle}); }
 #pragma once
 
 #include <utility>

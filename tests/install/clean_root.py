@@ -94,11 +94,15 @@ def use(root, version):
     members = root.run("getent", "passwd", "godobject") + root.run("getent", "group", "godobject")
     assert "/usr/sbin/nologin" in members, members
     examples = "usr/share/doc/libgodobject-dev/examples"
-    for example in sorted((root.folder / examples).glob("*/CMakeLists.txt")):
-        name = example.parent.name
+    names = sorted(path.parent.name for path in (root.folder / examples).glob("*/CMakeLists.txt"))
+    assert names == ["microcontroller", "peg", "program", "rig"], names
+    for name in names:
         root.run(*as_user, "cmake", "-S", f"/{examples}/{name}", "-B", f"/tmp/{name}")
         root.run(*as_user, "cmake", "--build", f"/tmp/{name}")
     root.run(*as_user, "/tmp/peg/peg")
+    scene = f"/{examples}/program/scene.toml"
+    root.run(*as_user, "/tmp/program/guided", "run", scene, "--fast", "--trace", "/tmp/guided.csv")
+    assert len((root.folder / "tmp/guided.csv").read_text().splitlines()) == 4002  # a head, the start, 4000 steps
 
 
 def check(root, debs, version):

@@ -17,7 +17,7 @@ foreach(example peg rig program)
 endforeach()
 run(${WORK}/peg/peg)
 # A program of one's own has the verbs of `godobject`, and its replays are compared with its own step.
-set(of_run --fast --quiet --duration 2)
+set(of_run --fast --quiet --duration 2 --bus sim)
 run(${WORK}/program/guided run ${prefix}/share/godobject/scenes/rigid.toml ${of_run} --trace ${WORK}/guided.csv
     --record ${WORK}/guided.godo)
 run(${WORK}/program/guided replay ${WORK}/guided.godo)
@@ -27,6 +27,7 @@ file(SHA256 ${WORK}/plain.csv plain)
 if(guided STREQUAL plain)
   message(FATAL_ERROR "the law of the program guided is not in its trace")
 endif()
+run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/own_program.py ${WORK}/program/guided ${SOURCE}/docs/examples/program ${WORK}/own)
 # Programs that link only godobject::platform contain no simulation.
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/links_no_simulation.py ${NM} ${prefix} ${WORK}/rig/peg_on_rig)
 run(${Python3_EXECUTABLE} ${SOURCE}/tests/install/peg_on_rig.py ${prefix}/bin/godobject

@@ -20,7 +20,7 @@ RunOptions options_of(const std::string& scene) {
   RunOptions options;
   options.scene = GODOBJECT_SOURCE_DIR "/sim/scenes/" + scene;
   options.quiet = true;
-  options.simulated = simulated_devices();
+  options.parts.simulated = simulated_devices();
   return options;
 }
 

@@ -203,6 +203,14 @@ void check_world(const RunOptions& options, SceneConfig& scene, std::vector<std:
         "simulation: remove either");
 }
 
+std::string add_own_device(const RunOptions& options, PreparedRun& run) {
+  std::string why_not;
+  run.own_device = options.parts.device(run.session->scene(), why_not);
+  if (run.own_device) run.session->add(*run.own_device);
+  else if (why_not.empty()) why_not = "the device of this program cannot be made";
+  return run.own_device ? "" : why_not;
+}
+
 std::string connect_spacemouse(const RunOptions& options, PreparedRun& run) {
   if (!run.spacemouse) return "";
   constexpr std::size_t console_bytes = 1 << 12;

@@ -54,8 +54,8 @@ std::vector<std::unique_ptr<TrackerLink>> make_trackers(const RunOptions& option
   }
   for (const TrackerParams& params : trackers) {
     static_cast<void>(read_tool_definitions(params, folder_of_scene(options), run.errors));
-    if (options.simulated.make_resting_tracker != nullptr)
-      links.push_back(options.simulated.make_resting_tracker(params, run.errors));
+    if (options.parts.simulated.make_resting_tracker != nullptr)
+      links.push_back(options.parts.simulated.make_resting_tracker(params, run.errors));
     else
       run.errors.push_back("tracker '" + params.name +
                            "': this build has no simulated trackers to check it with (GODOBJECT_SIM=OFF)");
@@ -84,8 +84,8 @@ Session::Made make_session(const RunOptions& options, SceneConfig scene, Motion 
       (run.buses.choice == BusChoice::sim && driven_bodies(scene).empty()))
     return Session::make(std::move(scene), std::move(motion));
   if (run.buses.choice == BusChoice::sim) {
-    if (options.simulated.make_session != nullptr)
-      return options.simulated.make_session(std::move(scene), std::move(motion), run.profiles);
+    if (options.parts.simulated.make_session != nullptr)
+      return options.parts.simulated.make_session(std::move(scene), std::move(motion), run.profiles);
     return {
         .session = nullptr,
         .errors = {
@@ -164,6 +164,14 @@ void add_hand(const RunOptions& options, Session& session, PreparedRun& run) {
   session.add(*run.world);
 }
 
+/// True if the device of the program moves the tool: it has one, a body follows it, and no option gives
+/// another device.
+bool moves_by_own_device(const RunOptions& options, const SceneConfig& scene) {
+  return options.parts.device != nullptr && !driven_bodies(scene).empty() && options.buses.empty() &&
+         options.trackers.empty() && options.motion.empty() && !options.spacemouse &&
+         options.device.empty() && !options.view_input;
+}
+
 /// Computes passivity at the start of the motion, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
@@ -178,7 +186,7 @@ void check_passivity(const RunOptions& options, const SceneConfig& scene, const 
 
 PreparedRun prepare(const RunOptions& options) {
   PreparedRun run;
-  LoadResult loaded = load_scene(options.scene, options.simulated.faults);
+  LoadResult loaded = load_scene(options.scene, options.parts.simulated.faults);
   append(run.errors, loaded.errors);
   append(run.warnings, loaded.warnings);
   check_outputs(options, run.errors);
@@ -193,8 +201,10 @@ PreparedRun prepare(const RunOptions& options) {
   check_world(options, scene, run.errors);
   if (options.view_input) lead_by_pointer(scene);
   if (options.spacemouse && run.errors.empty()) lead_by_spacemouse(scene);
-  if (!options.device.empty()) scene.motion.reset();
-  if (options.view_input || !options.device.empty()) run.buses.choice = BusChoice::direct;
+  run.has_own_device = moves_by_own_device(options, scene);
+  const bool moved_by_program = run.has_own_device || !options.device.empty();
+  if (moved_by_program) scene.motion.reset();
+  if (options.view_input || moved_by_program) run.buses.choice = BusChoice::direct;
   else run.buses = plan_buses(options.buses, scene, run.errors, run.notes);
   plan_trackers(options.trackers, !options.buses.empty(), scene, run.buses, run.errors);
   check_real_buses(options, run);
@@ -205,8 +215,9 @@ PreparedRun prepare(const RunOptions& options) {
   if (!motion || !run.errors.empty()) return run;
 
   constexpr double until_stopped = 1e6;  // s
-  const bool moved_by_hand = options.view_input || options.spacemouse || !options.device.empty();
-  const double of_scene = moved_by_hand ? until_stopped : motion->end().value_or(scene.duration);
+  const bool moved_by_hand = options.view_input || options.spacemouse || moved_by_program;
+  const double of_scene =
+      moved_by_hand && !options.fast ? until_stopped : motion->end().value_or(scene.duration);
   const double duration = options.duration.value_or(of_scene);
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
@@ -234,7 +245,7 @@ PreparedRun prepare(const RunOptions& options) {
 std::string why_no_reset(const RunOptions& options, const PreparedRun& run) {
   const auto refused = [](const std::string& why) { return why + ": stop the run, and start it again"; };
   if (run.session->bus() == BusChoice::real || !options.trackers.empty() || run.spacemouse ||
-      run.socket_device)
+      run.socket_device || run.has_own_device)
     return refused("this run has hardware, which cannot go back");
   if (run.world) return refused("the simulation of --world cannot go back");
   const RunFileNames& files = options.files;

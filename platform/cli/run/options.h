@@ -12,6 +12,7 @@
 #include "hal/canopen/node_profile.h"
 #include "hal/rig/bus_load.h"
 #include "hal/rig/params.h"
+#include "platform/cli/program.h"
 #include "platform/cli/report/files.h"
 #include "platform/cli/run/loop.h"
 #include "platform/linux/device_threads.h"
@@ -55,10 +56,10 @@ struct RunOptions {
   std::string view_address = "127.0.0.1";
   std::string openigtlink;  // PORT or ADDRESS:PORT of its server; empty: none
   double openigtlink_rate_hz = 60;
-  bool view_input = false;       // true: the page's pointer is the device
-  bool quiet = false;            // true: print only warnings and faults
-  bool only_check = false;       // true for `check`: nothing is opened, started or written
-  SimulatedDevices simulated{};  // simulated devices of the program
+  bool view_input = false;  // true: the page's pointer is the device
+  bool quiet = false;       // true: print only warnings and faults
+  bool only_check = false;  // true for `check`: nothing is opened, started or written
+  ProgramParts parts{};
 };
 
 struct PreparedRun {
@@ -67,6 +68,8 @@ struct PreparedRun {
   std::unique_ptr<SpaceMouse> spacemouse;               // with --spacemouse; else null
   std::unique_ptr<SpaceMouseThread> spacemouse_thread;  // see connect_spacemouse()
   std::unique_ptr<SocketDevice> socket_device;          // with --device; else null
+  bool has_own_device = false;                          // true: the program's device moves the tool
+  std::unique_ptr<HandDevice> own_device;               // see add_own_device()
   std::unique_ptr<SharedWorld> shared_world;            // with --world; else null
   std::unique_ptr<WorldPlanes> world;                   // likewise
   std::unique_ptr<Session> session;                     // null if there are errors
@@ -163,6 +166,9 @@ void check_socket_device(const RunOptions& options, const SceneConfig& scene,
 
 /// Checks that another simulation can surround the bodies of the scene, and gives it its planes.
 void check_world(const RunOptions& options, SceneConfig& scene, std::vector<std::string>& errors);
+
+/// Makes the device of the program and adds it to the session. Returns why this failed; empty on success.
+std::string add_own_device(const RunOptions& options, PreparedRun& run);
 
 /// Connects the SpaceMouse of the run, if any, to its daemon and starts a thread. Returns why this failed;
 /// empty on success.

@@ -7,7 +7,7 @@
 int main(int argc, char** argv) {
 #ifdef GODOBJECT_HAS_SIM
   return godobject::run_program(
-      argc, argv, {.devices = godobject::simulated_devices(), .add_verb = godobject::add_simulate});
+      argc, argv, {.simulated = godobject::simulated_devices(), .add_verb = godobject::add_simulate});
 #else
   return godobject::run_program(argc, argv, {});
 #endif

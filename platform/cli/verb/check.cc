@@ -257,10 +257,10 @@ ExitCode show_bus_load(const BusLoadOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
+void add_check(CLI::App& app, const ProgramParts& parts, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("check", "Validate a scene and options without running it.");
   const auto options = std::make_shared<RunOptions>();
-  options->simulated = simulated;
+  options->parts = parts;
   add_run_options(*verb, *options);
   const auto full = std::make_shared<bool>(false);
   verb->add_flag("--full", *full,

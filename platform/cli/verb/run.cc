@@ -98,7 +98,8 @@ ExitCode run(RunOptions options) {
   list_recorded(options.files, *prepared.session);  // before anything else takes the size of its records
   std::optional<RigOnBuses> real;
   if ((session.bus() == BusChoice::real && !prepared.log) || prepared.spacemouse || prepared.socket_device ||
-      prepared.world || ((options.view || !options.openigtlink.empty()) && !options.fast))
+      prepared.world || (prepared.has_own_device && !options.fast) ||
+      ((options.view || !options.openigtlink.empty()) && !options.fast))
     options.realtime = true;
   if (prepared.link) {
     real.emplace(RigOnBuses{*prepared.link, prepared.buses.real, *session.scene().device->rig,
@@ -110,6 +111,11 @@ ExitCode run(RunOptions options) {
   if (const std::string why_not = connect_spacemouse(options, prepared); !why_not.empty()) {
     print_lines(stderr, "", {why_not});
     return ExitCode::not_available;
+  }
+  if (prepared.has_own_device) {
+    const std::string why_not = add_own_device(options, prepared);
+    print_lines(stderr, "", {why_not.empty() ? "the device is that of this program" : why_not});
+    if (!why_not.empty()) return ExitCode::not_available;
   }
   if (prepared.socket_device) {
     const std::string why_not = prepared.socket_device->open(options.device);
@@ -296,10 +302,10 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
   verb.add_flag("--quiet", options.quiet, "print only warnings and faults; see the exit code");
 }
 
-void add_run(CLI::App& app, const SimulatedDevices& simulated, ExitCode& code) {
+void add_run(CLI::App& app, const ProgramParts& parts, ExitCode& code) {
   CLI::App* verb = app.add_subcommand("run", "Run a scene.");
   const auto options = std::make_shared<RunOptions>();
-  options->simulated = simulated;
+  options->parts = parts;
   add_run_options(*verb, *options);
   verb->callback([options, &code] { code = run(*options); });
 }
