@@ -51,6 +51,18 @@ def test_a_click_shows_a_body_with_its_curves(browser, folder):
         by_time = {round(float(one["t"]), 4): float(one["tube.x"]) for one in rows}
         assert all(abs(1e-3 * x - by_time[round(t, 4)]) < 1e-6 for t, x in zip(times, xs)), "the curve is that of the trace"
 
+        press(browser, "keydown", "j")
+        places = page.js("""(() => {
+            const { view } = godobject, place = view.camera.position.clone();
+            return view.joints.map((joint) => view.project(joint.getWorldPosition(place).toArray()));
+        })()""")
+        at = places[-1]
+        there = [name for name, one in zip(page.js("godobject.state.about.joints.map((joint) => joint.name)"), places)
+                 if math.hypot(one["x"] - at["x"], one["y"] - at["y"]) < 5]
+        ActionChains(browser, duration=40).move_to_element_with_offset(canvas, int(at["x"] - width / 2), int(at["y"] - height / 2)).click().perform()
+        page.wait("godobject.inspector.thing?.kind === 'joint'", "a click on a shown joint selects it")
+        assert page.js("godobject.inspector.thing.name") in there, (page.js("godobject.inspector.thing.name"), there)
+
         joint, drive = page.js("[godobject.state.about.joints[0].name, godobject.state.about.values.find((value) => value.name === 'drive torque').index]")
         facts = select(page, "joint", joint)
         force = math.sqrt(sum(float(row[f"{joint}.f{k}"]) ** 2 for k in "xyz"))
