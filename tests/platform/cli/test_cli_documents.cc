@@ -27,7 +27,7 @@ void for_each_verb(const CLI::App& app, const std::string& path,
 
 class CliDocuments : public ProgramTest {
  protected:
-  CliDocuments() { add_verbs(app_, {.devices = simulated_devices(), .add_verb = add_simulate}, code_); }
+  CliDocuments() { add_verbs(app_, {.simulated = simulated_devices(), .add_verb = add_simulate}, code_); }
   std::string completed(const std::string& words) const {
     const std::string script =
         "source <('" GODOBJECT_PROGRAM "' completion bash); COMP_WORDS=(" + words +
