@@ -41,6 +41,16 @@ if(MODULE_PYTHON)
   run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages ${MODULE_PYTHON} -c
       "import godobject._core as core; from godobject import Scene; assert core.__file__.startswith('${prefix}'); Scene('${prefix}/share/godobject/scenes/wall.toml').step(10)")
 endif()
+# The eight tests of a newcomer, by the installed pytest plugin alone.
+set(has_no_pytest 1)
+if(MODULE_PYTHON)
+  execute_process(COMMAND ${MODULE_PYTHON} -c "import pytest" RESULT_VARIABLE has_no_pytest ERROR_QUIET)
+endif()
+if(has_no_pytest EQUAL 0)
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 ${MODULE_PYTHON} -m pytest
+      -q -p no:cacheprovider -p godobject.hil.pytest_plugin --noconftest --program ${prefix}/bin/godobject
+      ${SOURCE}/tests/hil/test_strangers.py)
+endif()
 # pkg-config gives the same flags as the package.
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} "")
