@@ -56,7 +56,9 @@ class Root:
 
     def make(self):
         codename = re.search(r"VERSION_CODENAME=(\w+)", Path("/etc/os-release").read_text())[1]
-        command = ["mmdebstrap", "--mode=root", "--variant=apt", "--skip=cleanup/apt/lists", "--dpkgopt=force-unsafe-io",
+        # Its processes and mounts end with it, also at the time limit: left behind, they would keep the folder.
+        command = ["unshare", "--mount", "--pid", "--mount-proc", "--kill-child", "mmdebstrap", "--mode=root",
+                   "--variant=apt", "--skip=cleanup/apt/lists", "--dpkgopt=force-unsafe-io",
                    "--aptopt=Acquire::Languages \"none\"", codename, self.folder, "-"]
         output_of(command, input="\n".join(sources()) + "\n", timeout=BASE_S)
 
