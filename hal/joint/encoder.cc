@@ -103,8 +103,8 @@ void Encoder::reject(const Reading& reading) noexcept {
   last_was_accepted_ = false;
   ++counters_.implausible;
   vote(true);
-  const bool agrees = agreeing_ > 0 && reading.t_ns > candidate_.t_ns && plausible(candidate_, reading);
-  agreeing_ = agrees ? agreeing_ + 1 : 1;
+  const bool agrees = reading.t_ns > candidate_.t_ns && plausible(candidate_, reading);
+  agreeing_ = agrees ? agreeing_ + 1 : 1;  // 1 for the first in either case
   candidate_ = reading;
   if (agreeing_ >= votes_needed) {
     ++counters_.resyncs;
