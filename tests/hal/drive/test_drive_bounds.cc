@@ -6,6 +6,7 @@
 #include "hal/drive/cia402.h"
 #include "hal/drive/drive.h"
 #include "hal/drive/moteus.h"
+#include "hal/drive/odrive.h"
 
 namespace godobject::test_drive_bounds {
 namespace {
@@ -68,6 +69,20 @@ TEST(DriveFeedback, RequestHasTheLastOrder) {
   const std::optional<CanFrame> after = drive.request();
   ASSERT_TRUE(before && after);
   EXPECT_FALSE(std::ranges::equal(before->bytes(), after->bytes()));
+}
+
+// An ODrive is enabled by two frames in turn; one that was not sent is planned again.
+TEST(DriveFeedback, SentFrameIsNotPlannedAgain) {
+  const DriveParams params{.joint = "yaw", .protocol = DriveProtocol::odrive, .node_id = 7};
+  Drive drive(params, 1e-3, 3 * ms);
+  const CanFrame idle = odrive::make_heartbeat(7, {.axis_state = odrive::axis_idle});
+  EXPECT_EQ(drive.on_frame(idle, 0).result, ParseResult::ok);
+  static_cast<void>(drive.plan(0, DriveGoal::enable, ms));
+  const DriveCommand mode = drive.plan(0, DriveGoal::enable, ms);
+  EXPECT_EQ(mode.out.frame->id, odrive::frame_id(7, odrive::Command::set_controller_mode));
+  drive.sent(mode, ms);
+  const DriveCommand state = drive.plan(0, DriveGoal::enable, 2 * ms);
+  EXPECT_EQ(state.out.frame->id, odrive::frame_id(7, odrive::Command::set_axis_state));
 }
 
 }  // namespace

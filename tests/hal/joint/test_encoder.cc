@@ -173,6 +173,7 @@ TEST(Encoder, TurnIsRestartedAfterAGapLongEnoughForHalfATurn) {
   EXPECT_DOUBLE_EQ(encoder.sample(100 * ms).q, 4.5);
   encoder.update(300, 200 * ms);
   EXPECT_DOUBLE_EQ(encoder.sample(200 * ms).q, 0.3);
+  EXPECT_EQ(encoder.sample(200 * ms).q_dot, 0) << "nothing is known of the gap";
   EXPECT_EQ(encoder.counters().resyncs, 1u);
 }
 

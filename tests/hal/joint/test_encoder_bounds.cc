@@ -20,6 +20,16 @@ TEST(EncoderBounds, TravelIsThatOfMaxSpeedAndOneCount) {
   }
 }
 
+// The bound of a joint that cannot move is one count, without rounding.
+TEST(EncoderBounds, TravelOfTheBoundIsAccepted) {
+  for (const std::uint32_t travel : {1u, 2u}) {
+    Encoder encoder({.counts_per_unit = 1000, .modulus_counts = 4096}, 0, 3 * ms);
+    encoder.update(100, ms);
+    encoder.update(100 + travel, 2 * ms);
+    EXPECT_EQ(encoder.sample(2 * ms).valid, travel == 1) << travel;
+  }
+}
+
 TEST(EncoderBounds, CountsOutsideTheModulusAreVotes) {
   Encoder encoder = slow_encoder();
   encoder.update(100, ms);
@@ -50,6 +60,14 @@ TEST(EncoderBounds, CountOutsideTheModulusEndsAnAgreement) {
   EXPECT_FALSE(encoder.sample(t).valid) << "two agree";
   encoder.update(2000, t + ms);
   EXPECT_TRUE(encoder.sample(t + ms).valid) << "three agree";
+}
+
+TEST(EncoderBounds, CopiesOfASpikeDoNotAgree) {
+  Encoder encoder = slow_encoder();
+  encoder.update(100, ms);
+  for (int i = 0; i < Encoder::votes_needed; ++i) encoder.update(2000, 2 * ms);
+  EXPECT_FALSE(encoder.sample(2 * ms).valid);
+  EXPECT_DOUBLE_EQ(encoder.sample(2 * ms).q, 0.1);
 }
 
 // Half of 4096 counts at 50 counts per ms: 40.96 ms.

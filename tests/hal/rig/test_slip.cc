@@ -12,6 +12,7 @@ using test::ms;
 using test::RigTrial;
 using test::SupervisedRig;
 
+// A joint in motion may be sampled stale_after later than its motor.
 TEST(Slip, TravelOfTheFasterSensorIsNoSlip) {
   SupervisedRig world;
   boot_and_arm(world);
@@ -23,6 +24,7 @@ TEST(Slip, TravelOfTheFasterSensorIsNoSlip) {
     }
 }
 
+// The slack of a hinge is 0.05 rad and two counts of each sensor: 54 counts.
 TEST(Slip, SensorsDisagreeBeyondTheSlackOfTheJoint) {
   for (const int apart : {54, 55}) {
     SupervisedRig world;
@@ -90,6 +92,7 @@ TEST(Slip, SlipOfZeroIsNotCompared) {
   EXPECT_EQ(world.rig.faults(), RigFault::none);
 }
 
+// The older position of a drive that answers every 8th SYNC is compared with the joint's at that time.
 TEST(Slip, SensorsThatMoveTogetherAgree) {
   for (const std::uint8_t every_nth : {std::uint8_t{1}, std::uint8_t{8}}) {
     RigParams params = test::params_of_rig();

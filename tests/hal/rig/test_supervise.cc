@@ -12,7 +12,7 @@ using test::ms;
 using test::RigTrial;
 using test::SupervisedRig;
 
-TEST(Supervise, StartsANodeAgainAfter250Ms) {
+TEST(Supervise, StartsANodeAgainEvery250Ms) {
   RigParams params = test::params_of_rig();
   params.boot_timeout_s = 1;
   SupervisedRig world(params);
@@ -23,9 +23,21 @@ TEST(Supervise, StartsANodeAgainAfter250Ms) {
   EXPECT_EQ(world.device.nmt_starts_of_encoder, 1);
   cycles(world, 1);
   EXPECT_EQ(world.device.nmt_starts_of_encoder, 2);
+  cycles(world, 249);
+  EXPECT_EQ(world.device.nmt_starts_of_encoder, 2);
+  cycles(world, 1);
+  EXPECT_EQ(world.device.nmt_starts_of_encoder, 3);
 }
 
-// A joint in motion may be sampled stale_after later than its motor.
+TEST(Supervise, StartsNoNodeThatIsOperational) {
+  SupervisedRig world;
+  world.device.encoder_nmt = canopen::NmtState::operational;
+  world.apply(RigTrial::start);
+  world.apply(RigTrial::wait);
+  EXPECT_EQ(world.rig.state(), RigState::ready) << world.rig.fault_text();
+  EXPECT_EQ(world.device.nmt_starts_of_encoder, 0);
+}
+
 /// Runs until the drive is enabled, before ready.
 void boot_to_enabled_drive(SupervisedRig& world) {
   world.apply(RigTrial::start);
@@ -122,7 +134,6 @@ TEST(Supervise, DelayBeyondReachFromTheStartNeverBoots) {
   EXPECT_EQ(world.rig.faults(), RigFault::boot_timeout);
 }
 
-// The slack of a hinge is 0.05 rad and two counts of each sensor: 54 counts.
 TEST(Supervise, BootTimeoutNamesTheNodeWithoutASample) {
   for (const bool is_drive : {false, true}) {
     SupervisedRig world;
@@ -213,6 +224,45 @@ TEST(Supervise, TimeWithoutASampleCountsFromTheBoot) {
   EXPECT_EQ(world.rig.faults(), RigFault::sample_stale | RigFault::drive_silent);
 }
 
-// The older position of a drive that answers every 8th SYNC is compared with the joint's at that time.
+TEST(Supervise, EachBusIsSupervised) {
+  RigParams params = test::params_of_rig();
+  params.buses.push_back({.name = "can1"});
+  params.buttons[0].bus = 1;
+  for (const std::size_t off : {0u, 1u}) {
+    std::array<test::ScriptedDevice, 2> devices;
+    const std::array<CanBus*, 2> buses{&devices[0], &devices[1]};
+    Rig rig(params, test::cycle_s, buses);
+    rig.start(0);
+    devices[off].is_off = true;
+    static_cast<void>(rig.read(0));
+    EXPECT_EQ(rig.faults(), RigFault::bus_down);
+    ASSERT_EQ(rig.fault_log().records().size(), 1u);
+    EXPECT_EQ(rig.fault_log().records()[0].place.bus, off);
+  }
+}
+
+TEST(Supervise, BootMayTakeItsWholeTimeout) {
+  RigParams params = test::params_of_rig();
+  params.boot_timeout_s = 0.5;
+  SupervisedRig world(params);
+  world.rig.start(0);
+  static_cast<void>(world.rig.read(500 * ms));
+  EXPECT_EQ(world.rig.state(), RigState::booting);
+  static_cast<void>(world.rig.read(500 * ms + 1));
+  EXPECT_EQ(world.rig.faults(), RigFault::boot_timeout);
+}
+
+// The joint has an encoder, so the drive's position is no sample that could be missing.
+TEST(Supervise, SilentDriveBesideAnEncoderIsOneFault) {
+  SupervisedRig world;
+  boot_and_arm(world);
+  world.device.drive_answers = false;
+  EXPECT_EQ(cycles_to_fault(world), 3 + 8);
+  EXPECT_EQ(world.rig.faults(), RigFault::drive_silent) << world.rig.fault_text();
+  cycles(world, 10);
+  EXPECT_EQ(world.rig.faults(), RigFault::drive_silent) << world.rig.fault_text();
+  EXPECT_EQ(world.rig.commanded_torque_Nm(0), 0);
+}
+
 }  // namespace
 }  // namespace godobject::test_supervise
