@@ -86,6 +86,18 @@ def test_a_recording_is_an_array_of_frames(files):
         assert not row["data"][row["length"]:].any()
 
 
+def test_long_names_are_whole(tmp_path):
+    bus, body = "a_bus_with_a_name_of_more_than_16", "b" * 80
+    (tmp_path / "bus.log").write_text(f"(1.5) {bus} 18B#3712\n(1.6) can1 080#\n")
+    log = read_recording(tmp_path / "bus.log")
+    assert log["bus"].tolist() == [bus, "can1"] and log["data"][0][:2].tobytes() == b"\x37\x12"
+    (tmp_path / "c.csv").write_text(f"t,body,on,x,y,z,nx,ny,nz,fx,fy,fz\n1,{body},wall,1,2,3,4,5,6,7,8,9\n")
+    contacts = read_contacts(tmp_path / "c.csv")
+    assert contacts["body"].tolist() == [body] and contacts["force"].tolist() == [[7, 8, 9]]
+    (tmp_path / "c.csv").write_text("t,body,on,x,y,z,nx,ny,nz,fx,fy,fz\n")
+    assert len(read_contacts(tmp_path / "c.csv")) == 0
+
+
 def test_a_report_has_arrays(files):
     report, _ = files
     histogram = report["timing"]["compute_us"]["histogram"]

@@ -134,7 +134,7 @@ def read_contacts(path: str | os.PathLike[str]) -> NDArray[np.void]:
             _refuse(path, "the line is not that of a contact", number, _column(row, wrong))
         t, *x = (float(text) for text in [row[0], *row[3:]])
         rows.append((t, row[1], row[2], x[:3], x[3:6], x[6:9]))
-    return np.array(rows, dtype=CONTACT)
+    return np.array(rows, dtype=_with_names(CONTACT, body=[row[1] for row in rows], on=[row[2] for row in rows]))
 
 
 FRAME = np.dtype([("t_ns", "i8"), ("bus", "U16"), ("id", "u4"), ("extended", "?"), ("length", "u1"), ("data", "u1", 64)])
@@ -151,12 +151,21 @@ def read_recording(path: str | os.PathLike[str]) -> NDArray[np.void]:
         _refuse(path, f"cannot be read: {error.strerror}", None)
     except HilError as error:
         _refuse(path, error.text, int(error.where.rpartition(":")[2]))
-    log = np.zeros(len(frames), dtype=FRAME)
+    log = np.zeros(len(frames), dtype=_with_names(FRAME, bus=[frame.bus for frame in frames]))
     for row, frame in zip(log, frames):
         row["t_ns"] = round(frame.time * 1e6) * 1000
         row["bus"], row["id"], row["extended"], row["length"] = frame.bus, frame.id, frame.extended, len(frame.data)
         row["data"][:len(frame.data)] = np.frombuffer(frame.data, np.uint8)
     return log
+
+
+def _with_names(kind: np.dtype[np.void], **names: list[str]) -> np.dtype[np.void]:
+    """Returns the type with fields that are wide enough for these names, which numpy would cut."""
+    assert kind.names is not None and kind.fields is not None
+    fields = {field: kind.fields[field][0] for field in kind.names}
+    for field, texts in names.items():
+        fields[field] = np.dtype(f"U{max([fields[field].itemsize // 4, *map(len, texts)])}")
+    return np.dtype(list(fields.items()))
 
 
 def read_report(path: str | os.PathLike[str]) -> Report:
