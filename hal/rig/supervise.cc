@@ -16,7 +16,6 @@ bool is_enabled(const Drive& drive) noexcept { return drive.state() == MotorStat
 }  // namespace
 
 void Rig::supervise(Nanoseconds now) noexcept {
-  if (state() == RigState::off) return;
   now_ns_ = now;
   check_buses();
   check_stop_inputs();
