@@ -66,7 +66,10 @@ TEST(DriveFeedback, RequestHasTheLastOrder) {
   EXPECT_EQ(drive.on_frame(moteus::make_reply(7, reply), 0).result, ParseResult::ok);
   const std::optional<CanFrame> before = drive.request();
   drive.sent(drive.plan(1, DriveGoal::hold, 0), 0);
+  EXPECT_EQ(drive.commanded_torque_Nm(), 0) << "the request has not been sent";
   const std::optional<CanFrame> after = drive.request();
+  drive.request_sent();
+  EXPECT_GT(drive.commanded_torque_Nm(), 0);
   ASSERT_TRUE(before && after);
   EXPECT_FALSE(std::ranges::equal(before->bytes(), after->bytes()));
 }

@@ -252,6 +252,15 @@ TEST(Supervise, BootMayTakeItsWholeTimeout) {
   EXPECT_EQ(world.rig.faults(), RigFault::boot_timeout);
 }
 
+TEST(Supervise, DrivesDisabledByAQuickStopAreNoFurtherFault) {
+  SupervisedRig world;
+  boot_and_arm(world);
+  world.apply(RigTrial::quick_stop);
+  cycles(world, 10);
+  EXPECT_NE(world.device.drive, cia402::DriveState::operation_enabled);
+  EXPECT_EQ(world.rig.faults(), RigFault::quick_stop) << world.rig.fault_text();
+}
+
 // The joint has an encoder, so the drive's position is no sample that could be missing.
 TEST(Supervise, SilentDriveBesideAnEncoderIsOneFault) {
   SupervisedRig world;
