@@ -14,6 +14,7 @@
 #include "platform/scene/joint/joints.h"
 #include "platform/simulated/session.h"
 #include "platform/trace/input_log.h"
+#include "platform/trace/trace.h"
 
 namespace godobject {
 
@@ -37,9 +38,7 @@ class InputLogColumns {
 
  private:
   using Column = std::function<double(const CycleRecord&)>;
-  static constexpr std::array pose_names{"x", "y", "z", "qw", "qx", "qy", "qz"};
-  static constexpr std::array twist_names{"vx", "vy", "vz", "wx", "wy", "wz"};
-  static constexpr std::array wrench_names{"fx", "fy", "fz", "tx", "ty", "tz"};
+  static constexpr std::array twist_columns{"vx", "vy", "vz", "wx", "wy", "wz"};
 
   void add(const std::string& name, Column column) {
     names_.push_back(name);
@@ -59,17 +58,17 @@ class InputLogColumns {
   void add_states() {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const std::string name = scene_.bodies[i].name + ".";
-      add(name, pose_names, [i](const CycleRecord& r) { return r.bodies[i].X_WB; });
-      add(name, twist_names, [i](const CycleRecord& r) { return r.bodies[i].V_WB; });
-      add(name + "coupling.", wrench_names, [i](const CycleRecord& r) { return r.bodies[i].coupling_B; });
-      add(name + "feedback.", wrench_names, [i](const CycleRecord& r) { return r.bodies[i].feedback_D; });
-      add(name + "contact.", wrench_names, [i](const CycleRecord& r) { return r.bodies[i].contact_W; });
+      add(name, pose_columns, [i](const CycleRecord& r) { return r.bodies[i].X_WB; });
+      add(name, twist_columns, [i](const CycleRecord& r) { return r.bodies[i].V_WB; });
+      add(name + "coupling.", wrench_columns, [i](const CycleRecord& r) { return r.bodies[i].coupling_B; });
+      add(name + "feedback.", wrench_columns, [i](const CycleRecord& r) { return r.bodies[i].feedback_D; });
+      add(name + "contact.", wrench_columns, [i](const CycleRecord& r) { return r.bodies[i].contact_W; });
       for (const JointConfig& joint : scene_.joints)
         if (joint.child == scene_.bodies[i].name)
-          add(joint.name + ".", wrench_names, [i](const CycleRecord& r) { return r.bodies[i].joint_C; });
+          add(joint.name + ".", wrench_columns, [i](const CycleRecord& r) { return r.bodies[i].joint_C; });
     }
     add("held", [](const CycleRecord& r) { return r.held ? static_cast<double>(*r.held) : -1; });
-    add("hand.", wrench_names, [](const CycleRecord& r) { return r.hand_W; });
+    add("hand.", wrench_columns, [](const CycleRecord& r) { return r.hand_W; });
     add("fault", [](const CycleRecord& r) { return static_cast<double>(r.fault); });
     add("limited", [](const CycleRecord& r) { return static_cast<double>(r.limited); });
     add("rig_fault", [](const CycleRecord& r) { return static_cast<double>(r.rig_faults); });
@@ -78,9 +77,9 @@ class InputLogColumns {
   void add_inputs() {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const std::string name = scene_.bodies[i].name + ".input.";
-      add(name, pose_names, [i](const CycleRecord& r) { return r.samples[i].target.X_WD; });
-      add(name, twist_names, [i](const CycleRecord& r) { return r.samples[i].target.V_WD; });
-      add(name, wrench_names, [i](const CycleRecord& r) { return r.samples[i].F_WB; });
+      add(name, pose_columns, [i](const CycleRecord& r) { return r.samples[i].target.X_WD; });
+      add(name, twist_columns, [i](const CycleRecord& r) { return r.samples[i].target.V_WD; });
+      add(name, wrench_columns, [i](const CycleRecord& r) { return r.samples[i].F_WB; });
       for (Eigen::Index k = 0; k < BodySample{}.joint.q.size(); ++k)
         add(name + "q" + std::to_string(k + 1),
             [i, k](const CycleRecord& r) { return r.samples[i].joint.q[k]; });

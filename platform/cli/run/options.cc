@@ -242,11 +242,14 @@ PreparedRun prepare(const RunOptions& options) {
   return run;
 }
 
+bool has_hardware(const RunOptions& options, const PreparedRun& run) {
+  return run.session->bus() == BusChoice::real || !options.trackers.empty() || run.spacemouse ||
+         run.socket_device || run.has_own_device;
+}
+
 std::string why_no_reset(const RunOptions& options, const PreparedRun& run) {
   const auto refused = [](const std::string& why) { return why + ": stop the run, and start it again"; };
-  if (run.session->bus() == BusChoice::real || !options.trackers.empty() || run.spacemouse ||
-      run.socket_device || run.has_own_device)
-    return refused("this run has hardware, which cannot go back");
+  if (has_hardware(options, run)) return refused("this run has hardware, which cannot go back");
   if (run.world) return refused("the simulation of --world cannot go back");
   const RunFileNames& files = options.files;
   for (const std::string* file : {&files.trace, &files.contacts, &files.nets, &files.record, &files.on_fault})

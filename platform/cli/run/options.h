@@ -87,6 +87,9 @@ struct PreparedRun {
 
 PreparedRun prepare(const RunOptions& options);
 
+/// True if a device moves the tool in wall time: real buses, trackers, a SpaceMouse or a program's hand.
+bool has_hardware(const RunOptions& options, const PreparedRun& run);
+
 /// Returns why the run cannot be started again; empty if it can: it has no hardware and writes no steps.
 std::string why_no_reset(const RunOptions& options, const PreparedRun& run);
 

@@ -187,8 +187,7 @@ ExitCode view(const ViewOptions& options) {
 
 /// True if pages may pause the run: its only device is the page or simulated, and no one expects wall time.
 bool may_pause(const RunOptions& options, const PreparedRun& prepared) {
-  return prepared.session->bus() != BusChoice::real && options.trackers.empty() && !prepared.spacemouse &&
-         !prepared.socket_device && !prepared.has_own_device && (options.view_input || !options.realtime);
+  return !has_hardware(options, prepared) && (options.view_input || !options.realtime);
 }
 
 }  // namespace
