@@ -3,13 +3,9 @@
 
 #include "core/body/rigid_body.h"
 #include "core/device/device.h"
+#include "core/math/pose.h"
 
 namespace godobject {
-
-/// Returns X_AC = X_AB X_BC.
-inline Pose composed(const Pose& X_AB, const Pose& X_BC) noexcept {
-  return {.p = X_AB.p + to_world(X_AB.q, X_BC.p), .q = renormalized(X_AB.q * X_BC.q)};
-}
 
 /// Returns X_AB = X_WA^-1 X_WB, the pose of B in A.
 inline Pose seen_from(const Pose& X_WA, const Pose& X_WB) noexcept {
@@ -67,8 +63,7 @@ struct HoldingDevice {
   /// Returns the target of a gripped body (20).
   static Target held(const Pose& X_WD, const Twist& V_WD, const Pose& X_DB) noexcept {
     const Vec3 p_DB_W = to_world(X_WD.q, X_DB.p);
-    // NOLINTNEXTLINE(readability-suspicious-call-argument): frames make names look swapped.
-    return {.X_WD = composed(X_WD, X_DB), .V_WD = {.w = V_WD.w, .v = V_WD.v + V_WD.w.cross(p_DB_W)}};
+    return {.X_WD = X_WD * X_DB, .V_WD = {.w = V_WD.w, .v = V_WD.v + V_WD.w.cross(p_DB_W)}};
   }
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/device/holding.h"
+#include "core/math/pose.h"
 
 namespace godobject {
 namespace {
@@ -58,7 +58,7 @@ void TrackedPoses::take(Tool& tool, const ToolSample& sample, Nanoseconds now) n
   if (dt > links_[tool.tracker]->params().stale_after_s) tool.filter.reset();
   tool.number = sample.number;
   tool.t = sample.t_ns;
-  const Pose X_WD = composed(tool.X_WT, composed(sample.X_TH, tool.X_TH));
+  const Pose X_WD = tool.X_WT * (sample.X_TH * tool.X_TH);
   tool.track.push(tool.filter.filter(X_WD, dt), sample.t_ns, now);
 }
 

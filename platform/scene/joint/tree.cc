@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "core/device/holding.h"
+#include "core/math/pose.h"
 
 namespace godobject {
 namespace {
@@ -29,8 +29,6 @@ JointFrames at_zero() noexcept {
 double angle_between(const Vec3& a, const Vec3& b) noexcept {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
-
-Pose inverse(const Pose& X) { return {-(X.q.conjugate() * X.p), X.q.conjugate()}; }
 
 /// Pose of a body of the instrument on the device.
 struct Place {
@@ -56,7 +54,7 @@ class DeviceBuilder {
   void add(const JointConfig& joint) {
     const auto parent = places_.find(joint.parent);
     if (parent == places_.end()) return;  // no joint connects it to the world
-    Place at{parent->second.link, composed(parent->second.X_LB, joint.X_BP)};
+    Place at{parent->second.link, parent->second.X_LB * joint.X_BP};
     if (is_ball(joint.kind)) {
       device_.errors.push_back("joint '" + joint.name +
                                "' is a ball joint, which encoders cannot measure: describe the device by "
@@ -75,7 +73,7 @@ class DeviceBuilder {
            .axis_J = axis_at_zero(joint.kind, i)});
       at = {joint.coordinates[i], {}};
     }
-    places_[joint.child] = {at.link, composed(at.X_LB, inverse(joint.X_BC))};
+    places_[joint.child] = {at.link, at.X_LB * inverse(joint.X_BC)};
   }
 
   void hold(const std::string& body) {

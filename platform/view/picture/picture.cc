@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/device/holding.h"
+#include "core/math/pose.h"
 #include "platform/view/drawing.h"
 
 namespace godobject {
@@ -30,7 +30,7 @@ template <class Where>
 void add_outline(const Drawing& drawing, const Where& X_WB, std::vector<Vec3>& points) {
   for (const Solid& solid : drawing.solids) {
     if (solid.kind == SolidKind::plane || solid.role == SolidRole::contact) continue;
-    const Pose X = solid.body ? composed(X_WB(*solid.body), solid.X) : solid.X;
+    const Pose X = solid.body ? X_WB(*solid.body) * solid.X : solid.X;
     if (solid.kind == SolidKind::mesh) {
       for (const Vec3& p : drawing.meshes[solid.mesh].vertices) points.push_back(X.p + X.q * p);
       continue;
@@ -105,7 +105,7 @@ class PictureBuilder {
 
   void add(const Solid& solid) {
     if (solid.role == SolidRole::contact) return;
-    const Pose X = solid.body ? composed(record_.bodies[*solid.body].X_WB, solid.X) : solid.X;
+    const Pose X = solid.body ? record_.bodies[*solid.body].X_WB * solid.X : solid.X;
     const Colour& colour = !solid.body ? obstacle_colour : is_shown(*solid.body) ? tool_colour : body_colour;
     picture_.meshes.push_back({.name = solid.name,
                                .mesh = placed(triangles_of(solid, drawing_, 2 * picture_.extent), X),
@@ -137,7 +137,7 @@ class PictureBuilder {
                        .opacity = std::min(1.0, apart)};
     for (const Solid& solid : drawing_.solids) {
       if (solid.body != body || solid.role == SolidRole::contact) continue;
-      const Pose X = composed(view.target.X_WD, solid.X);
+      const Pose X = view.target.X_WD * solid.X;
       for (const auto& [a, b] : wires_of(solid, drawing_))
         wires.lines.push_back({X.p + X.q * a, X.p + X.q * b});
     }

@@ -260,7 +260,7 @@ TYPED_TEST(Holding, ALostSampleIsThatOfAPoseDevice) {
     const bool valid = n % 97 > n % 3;  // up to 3 lost in a row, which are bridged
     game.step(valid);
     const Target sample = game.hand.at(game.time());
-    other.device().target.X_WD = composed(sample.X_WD, X_DB);
+    other.device().target.X_WD = sample.X_WD * X_DB;
     other.device().target.V_WD = {.w = sample.V_WD.w,
                                   .v = sample.V_WD.v + sample.V_WD.w.cross(to_world(sample.X_WD.q, X_DB.p))};
     other.device().valid = valid;

@@ -6,6 +6,7 @@
 #include <random>
 #include <sstream>
 
+#include "core/math/pose.h"
 #include "platform/scene/joint/joints.h"
 #include "tests/platform/session/attacked.h"
 
@@ -18,12 +19,6 @@ Pose random_pose(std::mt19937& draw) {
           .q = Quat(number(draw), number(draw), number(draw), number(draw)).normalized()};
 }
 
-Pose inverse(const Pose& X) {
-  const Quat q = X.q.conjugate();
-  return {.p = -(q * X.p), .q = q};
-}
-Pose times(const Pose& a, const Pose& b) { return {.p = a.p + a.q * b.p, .q = (a.q * b.q).normalized()}; }
-
 /// Returns the child frame in the parent's frame at these coordinates.
 Pose moved(JointKind kind, const std::vector<double>& q) {
   const auto turn = [](double angle, const Vec3& axis) {
@@ -33,7 +28,7 @@ Pose moved(JointKind kind, const std::vector<double>& q) {
     case JointKind::hinge: return turn(q[0], Vec3::UnitZ());
     case JointKind::slider: return {.p = q[0] * Vec3::UnitZ(), .q = Quat::Identity()};
     case JointKind::cylindrical: return {.p = q[1] * Vec3::UnitZ(), .q = turn(q[0], Vec3::UnitZ()).q};
-    case JointKind::universal: return times(turn(q[0], Vec3::UnitX()), turn(q[1], Vec3::UnitY()));
+    case JointKind::universal: return turn(q[0], Vec3::UnitX()) * turn(q[1], Vec3::UnitY());
     default: return {};
   }
 }
@@ -64,8 +59,8 @@ TEST(JointCoordinates, CountTheirTurns) {
            ++i) {  // eight turns there and half of them back, each step less than half a turn
         for (std::size_t k = 0; k < q.size(); ++k) q[k] = (i <= 60 ? i : 120 - i) * (k == 0 ? 0.9 : -0.7);
         bodies[0].X_WB = random_pose(draw);
-        const Pose X_WP = on_the_world ? joint.X_BP : times(bodies[0].X_WB, joint.X_BP);
-        bodies[1].X_WB = times(times(X_WP, moved(kind, q)), inverse(joint.X_BC));
+        const Pose X_WP = on_the_world ? joint.X_BP : bodies[0].X_WB * joint.X_BP;
+        bodies[1].X_WB = X_WP * moved(kind, q) * inverse(joint.X_BC);
         coordinates.read(bodies, read);
         for (std::size_t k = 0; k < q.size(); ++k)
           ASSERT_NEAR(read[k], q[k], 1e-9) << static_cast<int>(kind) << " " << k << " " << i;
