@@ -42,12 +42,12 @@ function rangeOf(low, high) {
 export class Strips {
   // strips: titles, and series of colour, value(frame, driven) and dash
   constructor(parent, strips) {
-    Object.assign(this, { parent, strips });
+    Object.assign(this, { parent, strips, plots: [] });  // a plot for each strip that has had a value
     this.clear();
   }
   remove() {
-    for (const plot of this.plots ?? []) plot.destroy();
-    this.plots = undefined;
+    for (const plot of this.plots) plot?.destroy();
+    this.plots = [];
   }
   clear() {
     this.times = [];
@@ -78,10 +78,12 @@ export class Strips {
     this.drawn = now;
     this.changed = false;
     if (!whole) this.trim();
-    this.plots ??= this.strips.map((strip) => this.plot(strip));
+    this.columns.forEach((columns, i) => {
+      if (columns.some((column) => column.some((value) => value !== null))) this.plots[i] ??= this.plot(this.strips[i]);
+    });
     const end = this.times.at(-1), begin = whole ? this.times[0] : Math.max(this.times[0], end - SPAN_S);
-    this.plots.forEach((plot, i) => plot.setData([this.times, ...this.columns[i]], false));
-    this.plots.forEach((plot) => plot.batch(() => { plot.setScale("x", { min: begin, max: end }); plot.redraw(false, true); }));
+    this.plots.forEach((plot, i) => plot?.setData([this.times, ...this.columns[i]], false));
+    this.plots.forEach((plot) => plot?.batch(() => { plot.setScale("x", { min: begin, max: end }); plot.redraw(false, true); }));
   }
   plot(strip) {
     const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
