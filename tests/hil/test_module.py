@@ -32,6 +32,8 @@ def test_every_frame_has_the_name_that_the_program_gives_it(rig, run, program):
     assert {message.name for message in messages} == expected
     assert all(message.values for message in messages if message.name != "SYNC")
     assert rig.value("state", "elbow") == "operation enabled"
+    with pytest.raises(hil.HilError, match="no frame with axis_state.*\n.*its frames have .*state, statusword"):
+        rig.value("axis_state", "elbow")  # of an ODrive
     units_are_those_of_the_scene(rig, run)
 
 

@@ -285,10 +285,15 @@ class Rig:
     def value(self, key: str, joint: str, kind: str = "drive") -> Any:
         """Returns the newest value of a joint's drive or encoder: "torque_Nm", "position_rad", "state", ... of decode()."""
         node = self.scene.node(joint, kind)
+        keys: set[str] = set()
         for message in map(self.scene.decode, reversed(self.listeners[node.bus].frames)):
-            if message.node is node and key in message.values and not message.name.endswith("torque command"):
-                return message.values[key]
-        raise HilError(f"no frame with {key}", f"{node.bus} node {node.node_id}, {kind} of {joint}", "wait until it sends")
+            if message.node is node and not message.name.endswith("torque command"):
+                if key in message.values:
+                    return message.values[key]
+                keys |= message.values.keys()
+        raise HilError(f"no frame with {key}", f"{node.bus} node {node.node_id}, {kind} of {joint}",
+                       f"its frames have {', '.join(sorted(keys))}: `check --full` prints what its profile maps" if keys
+                       else "wait until it sends")
 
     def frames_text(self, around_wall_s: float | None = None, before_s: float = 0.5, after_s: float = 0.5,
                     most: int = 60) -> str:
