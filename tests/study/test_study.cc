@@ -53,12 +53,16 @@ struct QuickRun {
     options.report = folder.path() / "docs" / "report.md";
     options.machine = "a test";
     options.command = "the test's command";
+    fs::create_directories(folder.path() / "docs");
+    std::ofstream(options.report) << "# An older report\n\n" << sanitizers << "\nafter it\n";
     results = run_study(options, say_nothing);
   }
 
   fs::path out(const std::string& file) const { return folder.path() / "out" / file; }
   fs::path docs(const std::string& file) const { return folder.path() / "docs" / file; }
 
+  static constexpr const char* sanitizers =
+      "<!-- begin of the sanitizers -->\nof an earlier day\n<!-- end of the sanitizers -->\n";
   Folder folder;
   StudyResults results;
 };
@@ -117,6 +121,8 @@ void expect_report(const QuickRun& run) {
                            "| god-object |",
                            "| imposed |"})
     EXPECT_NE(report.find(text), std::string::npos) << text;
+  EXPECT_NE(report.find(QuickRun::sanitizers), std::string::npos) << "a study does not run them";
+  EXPECT_EQ(report.find("An older report"), std::string::npos);
   EXPECT_EQ(report.find("nan"), std::string::npos);
 }
 
