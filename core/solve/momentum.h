@@ -35,7 +35,7 @@ void balance_flight(std::size_t num_bodies, BodyContactScratch<Contacts, N>& w) 
   std::array<Column, N> J, dv;
   std::array<Real, N> M;
   for (std::size_t i = 0; i < num_bodies; ++i) J[i] = F[i].v, M[i] = w.stages[i].M;
-  const auto edge_of = [&w]([[maybe_unused]] std::size_t i) noexcept -> decltype(auto) {
+  const auto edge_of = [&]([[maybe_unused]] std::size_t i) noexcept -> decltype(auto) {
     if constexpr (Contacts::jointed) return (w.graph.joints.edges[i]);
     else return JointEdge{};
   };
