@@ -6,6 +6,7 @@ usage: test_page.py --program PATH
 import base64
 import csv
 import math
+import os
 import struct
 import subprocess
 import tempfile
@@ -127,7 +128,10 @@ def test_a_run_without_hardware_pauses_steps_and_slows(browser, folder):
 
 
 def test_a_run_without_hardware_starts_again(browser, folder):
-    for way in (("--view-input",), ("--seal",), ("--fast",)):
+    ways = [("--view-input",), ("--fast",)]
+    if "GODOBJECT_SANITIZED" not in os.environ:  # its run-time library makes calls that the seal refuses
+        ways.append(("--seal",))
+    for way in ways:
         options = [*way, "--duration", "1000000"]
         with ViewedRun(ARGS.program, "run", "sim/scenes/wall.toml", "--view", *options, folder=folder) as run:
             page = Page(browser, run.url)
