@@ -39,7 +39,6 @@ TEST(Explored, EveryStateOfRigDriveAndLinkKeepsThePromises) {
   std::deque<Path> open{{}};
   std::set<decltype(SupervisedRig{}.key())> seen{SupervisedRig{}.key()};
   std::set<RigState> rig_states;
-  std::size_t num_transitions = 0;
   while (!open.empty()) {
     const Path path = open.front();
     open.pop_front();
@@ -48,7 +47,6 @@ TEST(Explored, EveryStateOfRigDriveAndLinkKeepsThePromises) {
       Path longer = path;
       longer.push_back(static_cast<RigTrial>(i));
       for (const RigTrial event : longer) world.apply(event);
-      ++num_transitions;
       rig_states.insert(world.rig.state());
       ASSERT_EQ(world.broken, "") << "after the events" << text_of(longer);
       if (seen.insert(world.key()).second) open.push_back(longer);
