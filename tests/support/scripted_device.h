@@ -8,6 +8,7 @@
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
 #include "hal/drive/cia402.h"
+#include "tests/support/may_allocate.h"
 
 namespace godobject::test {
 
@@ -24,11 +25,13 @@ class ScriptedDevice : public CanBus {
   bool open() noexcept override { return true; }
   void close() noexcept override {}
   SendResult try_send(const CanFrame& frame) noexcept override {
+    [[maybe_unused]] const MayAllocate here;
     if (is_full || is_off) return SendResult::full;
     receive_from_host(frame);
     return SendResult::queued;
   }
   bool try_receive(ReceivedFrame& out) noexcept override {
+    [[maybe_unused]] const MayAllocate here;
     if (to_host_.empty()) return false;
     out = to_host_.front();
     to_host_.pop_front();

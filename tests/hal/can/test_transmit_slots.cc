@@ -1,4 +1,5 @@
 #include "hal/can/transmit_slots.h"
+#include "tests/support/may_allocate.h"
 
 #include <gmock/gmock.h>
 
@@ -19,6 +20,7 @@ class NarrowBus final : public CanBus {
   bool open() noexcept override { return true; }
   void close() noexcept override { bus_state = BusState::closed; }
   SendResult try_send(const CanFrame& frame) noexcept override {
+    [[maybe_unused]] const test::MayAllocate here;
     if (!is_valid(frame)) return SendResult::invalid;
     if (bus_state == BusState::bus_off) return SendResult::off;
     if (is_cut_off(bus_state)) return SendResult::down;

@@ -1,4 +1,5 @@
 #include "hal/canopen/lss.h"
+#include "tests/support/may_allocate.h"
 
 #include <gtest/gtest.h>
 
@@ -14,6 +15,7 @@ class Recorder final : public CanBus {
   bool open() noexcept override { return true; }
   void close() noexcept override {}
   SendResult try_send(const CanFrame& frame) noexcept override {
+    [[maybe_unused]] const test::MayAllocate here;
     if (room == 0) return SendResult::full;
     --room;
     sent.push_back(frame);

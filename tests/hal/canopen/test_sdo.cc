@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/canopen/sdo/client.h"
+#include "tests/support/may_allocate.h"
 
 namespace godobject::sdo::test_sdo {
 namespace {
@@ -20,6 +21,7 @@ class Recorder final : public CanBus {
   bool open() noexcept override { return true; }
   void close() noexcept override {}
   SendResult try_send(const CanFrame& frame) noexcept override {
+    [[maybe_unused]] const test::MayAllocate here;
     if (full) return SendResult::full;
     sent.push_back(frame);
     return SendResult::queued;

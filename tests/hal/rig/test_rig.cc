@@ -11,6 +11,7 @@
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
 #include "hal/drive/cia402.h"
+#include "tests/support/may_allocate.h"
 
 namespace godobject::test_rig {
 namespace {
@@ -24,11 +25,13 @@ class ScriptedBus final : public CanBus {
   bool open() noexcept override { return true; }
   void close() noexcept override { bus_state = BusState::closed; }
   SendResult try_send(const CanFrame& frame) noexcept override {
+    [[maybe_unused]] const test::MayAllocate here;
     if (full) return SendResult::full;
     sent.push_back(frame);
     return SendResult::queued;
   }
   bool try_receive(ReceivedFrame& out) noexcept override {
+    [[maybe_unused]] const test::MayAllocate here;
     if (to_receive.empty()) return false;
     out = to_receive.front();
     to_receive.pop_front();
