@@ -183,7 +183,7 @@ TEST(Valleys, ASphereTouchesEveryFaceOfAPit) {
       ++compared;
     }
   }
-  EXPECT_GT(compared, static_cast<std::size_t>(draws));
+  EXPECT_GE(compared, static_cast<std::size_t>(draws));
 }
 
 /// Over drawn profiles of concave and convex edges, forces change with the way alone.

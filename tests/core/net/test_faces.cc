@@ -214,8 +214,8 @@ TYPED_TEST(NetFaces, NeverGainEnergy) {
   for (unsigned seed = 0; seed < seeds; ++seed) {
     Random random(1000 + seed);
     const Real a = random.log_uniform(1e-3, 1e-2);
-    auto s = std::make_unique<Nets<TypeParam>>(random.log_uniform(1e-4, 5e-3),
-                                               Vec3(0, 0, -9.81 * random.integer(0, 1)));
+    const Vec3 gravity_W(0, 0, -9.81 * random.integer(0, 1));
+    auto s = std::make_unique<Nets<TypeParam>>(random.log_uniform(1e-4, 5e-3), gravity_W);
     const auto stuff = [&] {
       const Real m = random.log_uniform(1e-6, 1e-1), k = random.log_uniform(1, 1e7);
       return Stuff{.m = m,
@@ -224,9 +224,10 @@ TYPED_TEST(NetFaces, NeverGainEnergy) {
                    .g_a = random.integer(0, 1) * 1e-2 * std::sqrt(k * m),
                    .radius = a * random.uniform(0.2, 0.6)};
     };
-    add_touching_sheet(s->par, stuff(), 6, 6, a, {.q = random.rotation()}, true);
-    const auto first = add_bag(s->par, stuff(), a * Vec3(2.5, 2, 2), 2,
-                               {.p = 8 * a * random.direction(), .q = random.rotation()});
+    const Pose X_sheet{.q = random.rotation()};
+    add_touching_sheet(s->par, stuff(), 6, 6, a, X_sheet, true);
+    const Pose X_bag{.p = 8 * a * random.direction(), .q = random.rotation()};
+    const auto first = add_bag(s->par, stuff(), a * Vec3(2.5, 2, 2), 2, X_bag);
     const Real k = random.log_uniform(1, 1e7), c = random.uniform(0, 1) * std::sqrt(k * 1e-4);
     s->par.contacts.laws[0][0] = {
         .k = k, .c = c, .mu = random.integer(0, 1) * random.uniform(0, 1), .k_t = k, .c_t = c};

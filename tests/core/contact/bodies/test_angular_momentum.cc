@@ -17,8 +17,9 @@ Vec3 angular_momentum_of(const Run& run, std::size_t i) {
 
 /// Half extents of a box whose greatest moment of inertia is up to ten times the least.
 Vec3 draw_half(Random& random) {
-  const Real length = random.log_uniform(0.01, 0.1);
-  return length * Vec3(1, random.log_uniform(0.24, 1), random.log_uniform(0.24, 1));
+  const Real length = random.log_uniform(0.01, 0.1), z = random.log_uniform(0.24, 1),
+             y = random.log_uniform(0.24, 1);
+  return length * Vec3(1, y, z);
 }
 
 /// A box of eight spheres that falls on a plane, with tilt, spin, rebound and friction.
@@ -36,17 +37,20 @@ struct Dropped : Running<OneTool<I>> {
     par.bodies[0].body = solid_box(m, half);
     this->in.devices[0].engaged = false;
     add_plane(par);
-    set_law(par, law_of(random.log_uniform(1e3, 1e5), random.uniform(0, 1), random.uniform(0, 0.8), m));
+    const Real mu = random.uniform(0, 0.8), damping = random.uniform(0, 1);
+    set_law(par, law_of(random.log_uniform(1e3, 1e5), damping, mu, m));
     const Real radius = 0.1 * half.minCoeff();
     for (int k = 0; k < 8; ++k)
       add_sphere(par, 0,
                  (half - Vec3::Constant(radius))
                      .cwiseProduct(Vec3(k % 2 ? 1 : -1, k % 4 < 2 ? 1 : -1, k < 4 ? 1 : -1)),
                  radius);
+    const Quat q_WB = random.rotation();
+    const Vec3 axis = random.direction(), w_WB = random.log_uniform(0.1, 30) * axis;
+    const Real v_z = -random.log_uniform(0.3, 3), v_y = random.normal();
     place(this->x, 0,
-          {.X_WB = {.p = Vec3(0, 0, half.norm() + 0.002), .q = random.rotation()},
-           .V_WB = {.w = random.log_uniform(0.1, 30) * random.direction(),
-                    .v = Vec3(random.normal(), random.normal(), -random.log_uniform(0.3, 3))}});
+          {.X_WB = {.p = Vec3(0, 0, half.norm() + 0.002), .q = q_WB},
+           .V_WB = {.w = w_WB, .v = Vec3(random.normal(), v_y, v_z)}});
   }
 };
 

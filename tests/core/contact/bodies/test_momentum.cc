@@ -157,15 +157,18 @@ void tools_are_balanced() {
     run->par.bodies[0].body = solid_box(m, Vec3::Constant(half));
     run->in.devices[0].engaged = false;
     add_plane(run->par);
-    set_law(run->par, law_of(random.log_uniform(1e3, 1e6), random.uniform(0, 1), random.uniform(0, 0.8), m));
+    const Real mu = random.uniform(0, 0.8), damping = random.uniform(0, 1);
+    set_law(run->par, law_of(random.log_uniform(1e3, 1e6), damping, mu, m));
     for (int k = 0; k < 8; ++k)
       add_sphere(run->par, 0, 0.9 * half * Vec3(k % 2 ? 1 : -1, k % 4 < 2 ? 1 : -1, k < 4 ? 1 : -1),
                  0.1 * half);
     const bool is_tilted = random.integer(0, 2) > 0;
+    const Quat q_WB = is_tilted ? random.rotation() : Quat(1, 0, 0, 0);
+    const Vec3 w_WB = is_tilted ? random.vector() : Vec3(Vec3::Zero());
+    const Real v_z = -random.log_uniform(0.1, 20), v_y = random.normal();
     place(run->x, 0,
-          {.X_WB = {.p = Vec3(0, 0, 2 * half + 0.01), .q = is_tilted ? random.rotation() : Quat(1, 0, 0, 0)},
-           .V_WB = {.w = is_tilted ? Vec3(random.vector()) : Vec3(Vec3::Zero()),
-                    .v = Vec3(random.normal(), random.normal(), -random.log_uniform(0.1, 20))}});
+          {.X_WB = {.p = Vec3(0, 0, 2 * half + 0.01), .q = q_WB},
+           .V_WB = {.w = w_WB, .v = Vec3(random.normal(), v_y, v_z)}});
     Off off;
     for (int n = 0; n < 300; ++n) {
       take(*run, off);
