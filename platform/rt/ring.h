@@ -25,6 +25,9 @@ class Ring {
 
   std::size_t capacity() const noexcept { return slots_.size(); }
 
+  /// Returns a record like the slots, into which a record can be popped. Call before anything is pushed.
+  T record() const { return slots_.front(); }
+
   /// For the producer. Returns false and counts a loss if the ring is full.
   bool try_push(const T& record) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);

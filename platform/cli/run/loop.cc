@@ -110,7 +110,9 @@ class Drain {
         files_(files),
         events_(events),
         notices_(signals, events, seal),
-        status_(console, quiet) {}
+        status_(console, quiet),
+        entry_(cycles.record()),
+        state_(states.record()) {}
 
   void run() {
     notices_.look(t_s_);
