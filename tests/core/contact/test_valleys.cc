@@ -13,7 +13,7 @@ namespace {
 #ifdef NDEBUG
 constexpr int draws = 400;
 #else
-constexpr int draws = 10;  // builds with assertions and sanitizers take a hundred times as long
+constexpr int draws = 20;  // builds with assertions and sanitizers take a hundred times as long
 #endif
 
 using namespace valley;
@@ -183,7 +183,7 @@ TEST(Valleys, ASphereTouchesEveryFaceOfAPit) {
       ++compared;
     }
   }
-  EXPECT_GE(compared, static_cast<std::size_t>(draws));
+  EXPECT_GT(compared, static_cast<std::size_t>(draws));
 }
 
 /// Over drawn profiles of concave and convex edges, forces change with the way alone.
