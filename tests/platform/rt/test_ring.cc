@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <thread>
+#include <vector>
+
+#include "tests/support/allocation_guard.h"
 
 namespace godobject::test_ring {
 namespace {
@@ -27,6 +30,21 @@ TEST(Ring, KeepsOrderAndCountsWhatItCannotTake) {
   EXPECT_TRUE(ring.try_push({7, ~std::uint64_t{7}}));
   ASSERT_TRUE(ring.try_pop(record));
   EXPECT_EQ(record.number, 7u);
+}
+
+TEST(Ring, PopsIntoARecordOfItsOwnWithoutAllocating) {
+  if (!AllocationGuard::works()) GTEST_SKIP() << "the sanitizer owns the allocator";
+  Ring<std::vector<int>> ring(2, std::vector<int>(100, 0));
+  ASSERT_TRUE(ring.try_push(std::vector<int>(100, 7)) && ring.try_push(std::vector<int>(100, 8)));
+  std::vector<int> record = ring.record(), small;
+  AllocationGuard guard;
+  ASSERT_TRUE(ring.try_pop(record));
+  EXPECT_EQ(guard.heap_calls(), 0);
+  ASSERT_TRUE(ring.try_pop(small));
+  EXPECT_GT(guard.heap_calls(), 0) << "a record of another size does";
+  guard.disarm();
+  EXPECT_EQ(record[99], 7);
+  EXPECT_EQ(small[99], 8);
 }
 
 TEST(Ring, BetweenTwoThreadsNothingIsTornReorderedOrLostUncounted) {
