@@ -1,10 +1,11 @@
 #include "hal/can/transmit_slots.h"
-#include "tests/support/may_allocate.h"
 
 #include <gmock/gmock.h>
 
 #include <random>
 #include <vector>
+
+#include "tests/support/may_allocate.h"
 
 namespace godobject::test_transmit_slots {
 namespace {

@@ -1,9 +1,10 @@
 #include "hal/canopen/lss.h"
-#include "tests/support/may_allocate.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "tests/support/may_allocate.h"
 
 namespace godobject::lss::test_lss {
 namespace {
