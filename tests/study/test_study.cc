@@ -62,7 +62,7 @@ struct QuickRun {
   fs::path docs(const std::string& file) const { return folder.path() / "docs" / file; }
 
   static constexpr const char* sanitizers =
-      "<!-- begin of the sanitizers -->\nof an earlier day\n<!-- end of the sanitizers -->\n";
+      "<!-- begin of the long checks -->\nof an earlier day\n<!-- end of the long checks -->\n";
   Folder folder;
   StudyResults results;
 };

@@ -117,10 +117,10 @@ void copy_figures(const StudyOptions& options, const StudyResults& results) {
   }
 }
 
-/// Returns the section of the sanitizers, which `./dev sanitize` writes, of the report before; else an empty
-/// one.
-std::string sanitizers_of(const fs::path& report) {
-  const std::string begin = "<!-- begin of the sanitizers -->\n", end = "<!-- end of the sanitizers -->\n";
+/// Returns the section of the long checks from the report before; else an empty one. `./dev sanitize` and
+/// `./dev mutate` write it.
+std::string long_checks_of(const fs::path& report) {
+  const std::string begin = "<!-- begin of the long checks -->\n", end = "<!-- end of the long checks -->\n";
   std::ifstream in(report);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t from = text.find(begin), to = text.find(end);
@@ -132,7 +132,7 @@ std::string sanitizers_of(const fs::path& report) {
 
 void write_report(const StudyOptions& options, const StudyResults& results) {
   if (options.report.has_parent_path()) fs::create_directories(options.report.parent_path());
-  const std::string sanitizers = sanitizers_of(options.report);
+  const std::string long_checks = long_checks_of(options.report);
   std::ofstream out(options.report);
   write_question(out, options);
   out << "## Result\n\n";
@@ -145,7 +145,7 @@ void write_report(const StudyOptions& options, const StudyResults& results) {
   write_contacts(out, results);
   write_nets(out, results.nets);
   // godobject-study stability-map and godobject-peers write between them
-  out << map_begin << map_end << '\n' << peers_begin << peers_end << '\n' << sanitizers << '\n';
+  out << map_begin << map_end << '\n' << peers_begin << peers_end << '\n' << long_checks << '\n';
   write_method(out, results);
   if (!out.flush()) throw std::runtime_error(options.report.string() + ": cannot be written");
   copy_figures(options, results);

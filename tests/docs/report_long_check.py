@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the result of one sanitizer run into its row of the report.
+"""Writes the result of one long check, of sanitizers or mutants, into its row of the report.
 
-usage: report_sanitizers.py REPORT PRESET MEANING RESULT DATE COMMIT
+usage: report_long_check.py REPORT CHECK MEANING RESULT DATE COMMIT
 
 The rows stand between two lines of the report, which a new study keeps.
 """
@@ -9,12 +9,13 @@ import pathlib
 import re
 import sys
 
-BEGIN, END = "<!-- begin of the sanitizers -->\n", "<!-- end of the sanitizers -->\n"
-HEAD = """## Sanitizers
+BEGIN, END = "<!-- begin of the long checks -->\n", "<!-- end of the long checks -->\n"
+HEAD = """## Sanitizers and mutants
 
-Last runs: asan-all, tsan-all, rtsan by `./dev sanitize`, over every test; the others, with fewer, by `./dev test --all`.
+Last runs: asan-all, tsan-all, rtsan by `./dev sanitize`, over every test; mutants by `./dev mutate`, survivors in
+`tests/mutation/survivors.txt`; the others, with fewer tests, by `./dev test --all`.
 
-| preset | what it checks | result | date | commit |
+| check | of | result | date | commit |
 |---|---|---|---|---|
 """
 
