@@ -40,6 +40,7 @@ struct FaultReaction {
   std::string words;
   RigFault expected = RigFault::none;  // at least one of its bits; none: no fault may be raised
   int within = 0;                      // cycles until the first
+  MotorsEnd motors = MotorsEnd::keep;
 };
 
 inline std::ostream& operator<<(std::ostream& out, const FaultReaction& reaction) {
@@ -49,7 +50,7 @@ inline std::ostream& operator<<(std::ostream& out, const FaultReaction& reaction
 inline std::vector<FaultReaction> fault_reactions(const RigParams& rig, double cycle_s) {
   std::vector<FaultReaction> out;
   for (const FaultPromise& promise : fault_promises()) {
-    FaultReaction reaction{.words = words_for(promise, rig)};
+    FaultReaction reaction{.words = words_for(promise, rig), .motors = promise.motors};
     for (const PromisedFault& promised : promise.faults) {
       // a fault that needs travel may be preceded by one that does not
       const bool may_be_first = promised.always || promised.fault == RigFault::send_refused ||

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -109,6 +110,21 @@ inline SceneConfig two_joints() {
   LoadResult loaded = parse_scene(two_joints_toml, "two-joints");
   if (!loaded.scene) throw std::runtime_error(loaded.errors.front());
   return *loaded.scene;
+}
+
+/// Returns the scene with drives of this protocol instead.
+inline SceneConfig two_joints(DriveProtocol protocol, DriveWatchdog watchdog) {
+  SceneConfig scene = two_joints();
+  RigParams& rig = *scene.device->rig;
+  if (protocol == DriveProtocol::moteus) rig.buses[1].data_bit_rate = 5e6;
+  for (DriveParams& drive : rig.drives) {
+    drive.profile.clear();
+    drive.protocol = protocol;
+    drive.watchdog = watchdog;
+    drive.calibration.counts_per_unit =
+        counts_per_motor_turn / (2 * std::numbers::pi * drive.joint_per_motor_rad);
+  }
+  return scene;
 }
 
 inline RigProfiles profiles_of(const SceneConfig& scene) {

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 
 #include "hal/rig/watchdog.h"
 #include "tests/support/faulty_rig.h"
@@ -23,19 +22,6 @@ const std::string profile_folder = std::string(GODOBJECT_SOURCE_DIR) + "/hal/pro
 SceneConfig scene_with(const std::string& profile) {
   SceneConfig scene = test::two_joints();
   for (DriveParams& drive : scene.device->rig->drives) drive.profile = profile;
-  return scene;
-}
-
-SceneConfig scene_with(DriveProtocol protocol, DriveWatchdog watchdog) {
-  SceneConfig scene = scene_with("");
-  RigParams& rig = *scene.device->rig;
-  if (protocol == DriveProtocol::moteus) rig.buses[1].data_bit_rate = 5e6;
-  for (DriveParams& drive : rig.drives) {
-    drive.protocol = protocol;
-    drive.watchdog = watchdog;
-    drive.calibration.counts_per_unit =
-        counts_per_motor_turn / (2 * std::numbers::pi * drive.joint_per_motor_rad);
-  }
   return scene;
 }
 
@@ -106,11 +92,11 @@ TEST(TimeToZero, ProfilesWithoutADeadlineTakeItAwayByTheHostsHeartbeat) {
 }
 
 TEST(TimeToZero, OdriveByTheWatchdogOfItsConfiguration) {
-  expect_zero_in_time(scene_with(DriveProtocol::odrive, DriveWatchdog::drive), 0);
+  expect_zero_in_time(test::two_joints(DriveProtocol::odrive, DriveWatchdog::drive), 0);
 }
 
 TEST(TimeToZero, MoteusByTheRegisterThatEachCommandSets) {
-  expect_zero_in_time(scene_with(DriveProtocol::moteus, DriveWatchdog::host), 0);
+  expect_zero_in_time(test::two_joints(DriveProtocol::moteus, DriveWatchdog::host), 0);
 }
 
 // The configured value is used even if it is bad: the profile as it was shipped before.
@@ -133,7 +119,7 @@ TEST(TimeToZero, IsWhatTheProfileSaysAndNotWhatTheSimulationWouldLike) {
 
 TEST(TimeToZero, DriveThatNobodySetUpKeepsItsTorque) {
   for (const DriveProtocol protocol : {DriveProtocol::cia402, DriveProtocol::odrive}) {
-    DyingHost host(scene_with(protocol, DriveWatchdog::none));
+    DyingHost host(test::two_joints(protocol, DriveWatchdog::none));
     ASSERT_TRUE(host.booted) << host.device.rig.fault_text();
     const std::optional<double> time = host.time_to_zero(5);
     EXPECT_FALSE(time) << drive_protocol_names[static_cast<std::size_t>(protocol)] << ": " << shown(time);
@@ -195,11 +181,11 @@ TEST(MissingWatchdogs, AreReportedWithTheDriveAndTheRemedy) {
               ElementsAre(AllOf(HasSubstr("drive of joint 'turret' (can1 node 1)"),
                                 HasSubstr("profile = \"generic-402\""), HasSubstr("watchdog = \"none\"")),
                           HasSubstr("drive of joint 'elbow' (can1 node 2)")));
-  EXPECT_THAT(lines(scene_with(DriveProtocol::odrive, DriveWatchdog::host)),
+  EXPECT_THAT(lines(test::two_joints(DriveProtocol::odrive, DriveWatchdog::host)),
               Each(AllOf(HasSubstr("enable_watchdog"), HasSubstr("watchdog = \"drive\""))));
-  EXPECT_THAT(lines(scene_with(DriveProtocol::odrive, DriveWatchdog::drive)), IsEmpty());
-  EXPECT_THAT(lines(scene_with(DriveProtocol::moteus, DriveWatchdog::host)), IsEmpty());
-  EXPECT_THAT(lines(scene_with(DriveProtocol::cia402, DriveWatchdog::none)), IsEmpty());
+  EXPECT_THAT(lines(test::two_joints(DriveProtocol::odrive, DriveWatchdog::drive)), IsEmpty());
+  EXPECT_THAT(lines(test::two_joints(DriveProtocol::moteus, DriveWatchdog::host)), IsEmpty());
+  EXPECT_THAT(lines(test::two_joints(DriveProtocol::cia402, DriveWatchdog::none)), IsEmpty());
 }
 
 }  // namespace
