@@ -13,7 +13,7 @@ BEGIN, END = "<!-- begin of the long checks -->\n", "<!-- end of the long checks
 HEAD = """## Sanitizers and mutants
 
 Last runs: asan-all, tsan-all, rtsan by `./dev sanitize`, over every test; mutants by `./dev mutate`, survivors in
-`tests/mutation/survivors.txt`; the others, with fewer tests, by `./dev test --all`.
+`tests/mutation/survivors.txt`; endure by `./dev endure`; the others, with fewer tests, by `./dev test --all`.
 
 | check | of | result | date | commit |
 |---|---|---|---|---|
