@@ -174,12 +174,14 @@ class SealedProgram : public ProgramTest {
     return " --seal --duration " + std::to_string(sealed_seconds(3)) + " --trace " + path("trace.csv") +
            " --report " + path("report.json");
   }
+
+  const LoopGuard guard_{path("calls.txt")};
 };
 
 TEST_F(SealedProgram, OnASimulatedDeviceWithEveryOutput) {
   const ProgramResult result =
       run_program("run sim/scenes/grasper.toml --view --record " + path("bus.log") + outputs());
-  expect_sealed(path("report.json"), result.output);
+  expect_sealed(path("report.json"), result.output, guard_);
 }
 
 TEST_F(SealedProgram, OnATrackerOfAPseudoTerminal) {
@@ -188,7 +190,7 @@ TEST_F(SealedProgram, OnATrackerOfAPseudoTerminal) {
   ASSERT_EQ(far.line(), "ready");
   const ProgramResult result = run_program(
       "run sim/scenes/tracked.toml --tracker polaris=" + first.substr(first.find('/')) + outputs());
-  expect_sealed(path("report.json"), result.output);
+  expect_sealed(path("report.json"), result.output, guard_);
 }
 
 TEST_F(SealedProgram, OnAProgramThatConnectsAgain) {
@@ -216,7 +218,7 @@ TEST_F(SealedProgram, OnAProgramThatConnectsAgain) {
     connection = -1;
   }
   static_cast<void>(host.wait_status());
-  expect_sealed(path("report.json"), "");
+  expect_sealed(path("report.json"), "", guard_);
   const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
   EXPECT_GE(report["device_program"]["connections"], 2);
 }
@@ -228,6 +230,7 @@ class SealedOnSlcan : public RunOverPtys {
 
 TEST_F(SealedOnSlcan, WithTraceRecordAndView) {
   if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
+  const LoopGuard guard(path("calls.txt"));
   const int seconds = sealed_seconds(3, 5e-3);
   ASSERT_TRUE(start(write("scene.toml", patient_toml()),
                     {"--seal", "--view", "--trace", path("trace.csv"), "--record", path("bus.log"),
@@ -236,7 +239,7 @@ TEST_F(SealedOnSlcan, WithTraceRecordAndView) {
   listen(std::chrono::seconds(seconds));
   kill(host_->pid(), SIGINT);
   static_cast<void>(host_->wait_status());
-  expect_sealed(path("report.json"), "");
+  expect_sealed(path("report.json"), "", guard);
 }
 
 }  // namespace

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "platform/rt/seal.h"
 #include "tests/support/nightly.h"
@@ -25,7 +28,35 @@ inline int sealed_seconds(int usual, double step = 1e-3) {
   return length_of(usual, static_cast<int>(1e5 * step));
 }
 
-inline void expect_sealed(const std::string& report_path, const std::string& output) {
+/// While one exists, programs are started with the guard that counts heap calls and locks of the loop.
+class LoopGuard {
+ public:
+  explicit LoopGuard(std::string path) : path_(std::move(path)) {
+    setenv("GODOBJECT_LOOP_GUARD", path_.c_str(), 1);
+    setenv("LD_PRELOAD", GODOBJECT_LOOP_GUARD_LIBRARY, 1);
+  }
+  ~LoopGuard() {
+    unsetenv("LD_PRELOAD");
+    unsetenv("GODOBJECT_LOOP_GUARD");
+  }
+  LoopGuard(const LoopGuard&) = delete;
+  LoopGuard& operator=(const LoopGuard&) = delete;
+
+  void expect_nothing() const {
+    long sleeps = 0, heap_calls = -1, locks = -1;
+    std::ifstream(path_) >> sleeps >> heap_calls >> locks;
+    std::printf("%ld periods of the loop: %ld heap calls, %ld locks\n", sleeps, heap_calls, locks);
+    EXPECT_GT(sleeps, 0);
+    EXPECT_EQ(heap_calls, 0);
+    EXPECT_EQ(locks, 0);
+  }
+
+ private:
+  std::string path_;
+};
+
+inline void expect_sealed(const std::string& report_path, const std::string& output, const LoopGuard& guard) {
+  guard.expect_nothing();
   const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
   ASSERT_TRUE(report.contains("seal")) << output;
   EXPECT_TRUE(report["seal"]["broken_by"].is_null()) << report["seal"];
