@@ -2,6 +2,7 @@
 // fault. This holds in simulated time, and in real time on each kind of device with every output beside it.
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <linux/futex.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/un.h>
@@ -160,6 +161,12 @@ INSTANTIATE_TEST_SUITE_P(
                           [] {
                             const timespec shortly{.tv_sec = 0, .tv_nsec = 1};
                             static_cast<void>(syscall(SYS_nanosleep, &shortly, nullptr));
+                          }},
+                    Plant{"futex",  // the wait for a lock that another thread holds
+                          [] {
+                            static int taken = 1;
+                            static_cast<void>(
+                                syscall(SYS_futex, &taken, FUTEX_WAIT_PRIVATE, 1, nullptr, nullptr, 0));
                           }}),
     [](const auto& plant) { return plant.param.name; });
 

@@ -1,6 +1,6 @@
 // Counts heap calls and locks of the loop of `godobject run`: preloaded into the program. The loop is the
-// thread that sleeps until absolute times. Its calls count from its 100th sleep to its last one, so its set-up
-// and its end do not. At exit a line is appended to the file named by GODOBJECT_LOOP_GUARD.
+// thread that sleeps until absolute times. Its calls count from its 100th sleep to its last one, so its
+// set-up and its end do not. At exit a line is appended to the file named by GODOBJECT_LOOP_GUARD.
 #include <dlfcn.h>
 #include <pthread.h>
 #include <time.h>
