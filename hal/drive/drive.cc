@@ -63,8 +63,7 @@ DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) cons
 
 void Drive::sent(const DriveCommand& command, Nanoseconds now) noexcept {
   order_ = command.order;
-  if (!command.out.frame) return;  // a torque within the next request is recorded by request_sent()
-  torque_Nm_ = command.order.torque_Nm;
+  if (command.out.frame) torque_Nm_ = command.order.torque_Nm;  // otherwise request_sent() records it
   link_->sent(command.out, now);
 }
 

@@ -85,7 +85,7 @@ class DriveLink {
   /// carries it.
   virtual DriveFrame command(const DriveOrder& order,
                              Nanoseconds now) const noexcept GODOBJECT_NONBLOCKING = 0;
-  /// Called once `command` has been sent.
+  /// Called once `command` has been sent, or needs no frame.
   virtual void sent(const DriveFrame& command, Nanoseconds now) noexcept GODOBJECT_NONBLOCKING = 0;
   /// Returns the cyclic messages of the enabled drive and its host, without CANopen heartbeats.
   /// event_period_s: period of event-timer messages, s; 0: none. Set-up only: allocates.

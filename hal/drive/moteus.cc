@@ -247,9 +247,6 @@ CanFrame make_reply(std::uint8_t node, const Reply& reply) noexcept {
 
 }  // namespace moteus
 
-MoteusLink::MoteusLink(const DriveParams& params, double cycle_s) noexcept
-    : node_(params.node_id), watchdog_s_(static_cast<float>(moteus::watchdog_s(cycle_s))) {}
-
 DriveMessage MoteusLink::decode(const CanFrame& frame, DriveTelemetry& out) noexcept {
   moteus::Reply reply;
   ParseResult result = moteus::parse_reply(frame, node_, reply);
@@ -258,6 +255,7 @@ DriveMessage MoteusLink::decode(const CanFrame& frame, DriveTelemetry& out) noex
     result = ParseResult::bad_value;
   if (result != ParseResult::ok) return {.result = result};
   heard_ = true;
+  cycles_silent_ = 0;
   mode_ = reply.mode;
   const bool failed = mode_ == moteus::mode_fault;
   out.position_counts = static_cast<std::uint32_t>(saturate_to<std::int32_t>(counts));
@@ -282,6 +280,7 @@ std::optional<CanFrame> MoteusLink::request(const DriveOrder& order) const noexc
                     (order.goal == DriveGoal::enable && latched);
   if (!heard_ || (order.goal == DriveGoal::hold && !enabled)) return moteus::make_query(node_);
   if (stop) return moteus::make_stop(node_, true);
+  if (cycles_silent_ > max_cycles_silent_) return moteus::make_query(node_);
   return moteus::make_torque(node_, static_cast<float>(order.torque_Nm), watchdog_s_);
 }
 

@@ -6,6 +6,9 @@
 // quantum that depends on type and register; the most negative one is NaN.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "hal/drive/link.h"
 
 namespace godobject::moteus {
@@ -152,20 +155,28 @@ namespace godobject {
 
 /// One frame per cycle commands the torque of the previous cycle and requests the state. The torque thus
 /// takes effect at the beginning of the cycle, as with synchronous RPDOs. The frame also sets the watchdog:
-/// the motor stops soon after the frames do.
+/// the motor stops soon after the frames do. A drive that has not answered for this time may have lost its
+/// power. It then receives queries alone, because a torque command would enable it again.
 class MoteusLink final : public DriveLink {
  public:
-  MoteusLink(const DriveParams& params, double cycle_s) noexcept;
+  MoteusLink(const DriveParams& params, double cycle_s) noexcept
+      : node_(params.node_id),
+        watchdog_s_(static_cast<float>(moteus::watchdog_s(cycle_s))),
+        max_cycles_silent_(static_cast<int>(std::lround(moteus::watchdog_s(cycle_s) / cycle_s))) {}
 
   DriveMessage decode(const CanFrame& frame, DriveTelemetry& out) noexcept override;
   std::optional<CanFrame> request(const DriveOrder& order) const noexcept override;
   DriveFrame command(const DriveOrder& order, Nanoseconds now) const noexcept override;
-  void sent(const DriveFrame&, Nanoseconds) noexcept override {}
+  void sent(const DriveFrame&, Nanoseconds) noexcept override {
+    cycles_silent_ = std::min(cycles_silent_, max_cycles_silent_) + 1;
+  }
   std::vector<CyclicMessage> messages(double cycle_s, double event_period_s) const override;
 
  private:
   std::uint8_t node_;
   float watchdog_s_;
+  int max_cycles_silent_;  // time of the watchdog
+  int cycles_silent_ = 0;  // since the last answer
   int mode_ = moteus::mode_stopped;
   bool heard_ = false;
 };

@@ -190,6 +190,21 @@ TEST_F(MoteusLinkTest, OnlyQueriesUntilItIsToBeEnabled) {
   EXPECT_FALSE(link.command({.goal = DriveGoal::hold, .torque_Nm = 0.5}, 0).frame);
 }
 
+// After its power was cycled a drive is stopped, and a torque command would enable it.
+TEST_F(MoteusLinkTest, SilentDriveReceivesNoTorqueCommandUntilItAnswers) {
+  const CanFrame torque = moteus::make_torque(node, 0.5f, 0.02f);
+  const DriveOrder hold{.goal = DriveGoal::hold, .torque_Nm = 0.5};
+  reply(moteus::mode_position);
+  for (int i = 0; i <= 20; ++i) {  // 20 ms, its watchdog
+    EXPECT_TRUE(is(link.request(hold), torque)) << i;
+    link.sent({}, 0);
+  }
+  EXPECT_TRUE(is(link.request(hold), query));
+  EXPECT_TRUE(is(link.request({.goal = DriveGoal::off}), stop));
+  reply(moteus::mode_position);  // its answers alone were lost
+  EXPECT_TRUE(is(link.request(hold), torque));
+}
+
 TEST_F(MoteusLinkTest, LatchedModesAreLeftByAStop) {
   for (const int mode : {moteus::mode_fault, moteus::mode_timeout}) {
     reply(mode, mode == moteus::mode_fault ? 33 : 0);

@@ -80,6 +80,19 @@ TEST_P(DriveProtocols, AnUnpluggedDriveIsAFaultAndItsMotorStopsByItself) {
   EXPECT_TRUE(device.cycles_to_zero(25)) << device.motor_torque();
 }
 
+// Its absence is shorter than lost_after, so the host notices it by the state of the drive.
+TEST_P(DriveProtocols, APowerCycledDriveStaysOffUntilItIsArmed) {
+  ASSERT_TRUE(device.boot());
+  device.play("reboot-node bus=can1 node=2 duration=0.05");
+  device.cycles(2);
+  EXPECT_EQ(device.link.rig().applied_torque_Nm(1), 0);
+  EXPECT_TRUE(device.cycles_to_fault(120)) << device.motor_torque();
+  device.cycles(100);
+  EXPECT_EQ(device.motor_torque(), 0);
+  device.rig.clear_faults(device.t_sync_ns);
+  EXPECT_TRUE(device.boot()) << device.rig.fault_text();
+}
+
 TEST_P(DriveProtocols, WithoutTheHostEveryMotorStops) {
   ASSERT_TRUE(device.boot());
   for (int i = 0; i < 25; ++i) static_cast<void>(device.link.begin_cycle(device.motion_time));
