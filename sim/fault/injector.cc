@@ -108,7 +108,7 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
     default: break;
   }
   if (once && fault.verb != FaultVerb::spike) return;
-  active_.push_back({.fault = fault, .t_end_ns = std::nullopt});
+  active_.push_back({.fault = fault, .t_begin_ns = now, .t_end_ns = std::nullopt});
   if (once) active_.back().t_end_ns = now;  // ends in the next run: affects one SYNC
   else if (fault.duration_ns) active_.back().t_end_ns = now + *fault.duration_ns;
 }

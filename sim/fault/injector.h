@@ -15,6 +15,7 @@ namespace godobject {
 
 struct ActiveFault {
   SimFault fault;
+  Nanoseconds t_begin_ns;
   std::optional<Nanoseconds> t_end_ns;  // none: until the end
 };
 

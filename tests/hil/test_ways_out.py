@@ -39,7 +39,7 @@ OTHERS = ["last cycle", "second signal", "fault of the rig"]
 ELSEWHERE = {"terminate": "LastResort.TerminateWritesTheLastFrames",
              "exception": "LastResort.AnExceptionThatEscapesWritesTheLastFrames",
              "stack overflow": "LastResort.AStackOverflowWritesTheLastFrames",
-             "power loss": ""}  # the host cannot act, as for SIGKILL
+             "endless loop": "", "power loss": ""}  # the host cannot act: test_torque_gone.py
 
 
 def table():

@@ -278,7 +278,8 @@ nlohmann::ordered_json Simulation::faults_json() const {
   for (const ActiveFault& active : rig_ ? rig_->faults().active() : std::span<const ActiveFault>{}) {
     json fault{{"verb", text_of(active.fault.verb).name},
                {"node", active.fault.node_id},
-               {"value", active.fault.value}};
+               {"value", active.fault.value},
+               {"begun_at_s", seconds(active.t_begin_ns)}};
     if (active.fault.end_bus == active.fault.first_bus + 1)
       fault["bus"] = params_.buses[active.fault.first_bus].name;
     if (active.t_end_ns) fault["ends_at_s"] = seconds(*active.t_end_ns);

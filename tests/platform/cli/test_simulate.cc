@@ -137,6 +137,7 @@ TEST_F(SimulateTest, PlaysFaultsByWord) {
   ASSERT_THAT(status["faults"], SizeIs(1));
   EXPECT_EQ(status["faults"][0]["verb"], "unplug");
   EXPECT_EQ(status["faults"][0]["bus"], "can0");
+  EXPECT_GT(status["faults"][0]["begun_at_s"], 0);
   EXPECT_EQ(say("clear")["ok"], true);
   EXPECT_TRUE(say("status")["faults"].empty());
 }

@@ -221,18 +221,22 @@ class Rig:
         """Clock of the simulated rig, t_s of status(). It stands still while the simulator is held up, which is
         measured (held_s of status()) and part of error_s."""
         if self._clock is None:
-            best: tuple[Clock, float] | None = None
-            for _ in range(5):  # of several round trips the shortest
-                sent = now()
-                status = self.status()
-                received = now()
-                clock = Clock((sent + received) / 2 - float(status["t_s"]), (received - sent) / 2)
-                if best is None or clock.error_s < best[0].error_s:
-                    best = clock, float(status["held_s"])
-            self._clock = best
+            self.measure_clock()
         assert self._clock is not None
         clock, held_s = self._clock
         return Clock(clock.zero_wall_s, clock.error_s + self.held_s() - held_s)
+
+    def measure_clock(self) -> None:
+        """Measures `clock` again, so that earlier holds add nothing to its error."""
+        best: tuple[Clock, float] | None = None
+        for _ in range(5):  # of several round trips the shortest
+            sent = now()
+            status = self.status()
+            received = now()
+            clock = Clock((sent + received) / 2 - float(status["t_s"]), (received - sent) / 2)
+            if best is None or clock.error_s < best[0].error_s:
+                best = clock, float(status["held_s"])
+        self._clock = best
 
     def held_s(self) -> float:
         """Returns the time, s, for which a busy machine has held the simulator up; 0 on a real rig."""
