@@ -4,15 +4,11 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
-
-#include "platform/rt/setup.h"
 
 namespace godobject {
 
@@ -32,11 +28,20 @@ class BackgroundFile {
   using Append = std::function<void(std::string_view text)>;
   using Source = std::function<void(const Append& append)>;
 
+  /// Content of a file, which determines its end after a failure.
+  enum class Content : std::uint8_t {
+    lines,   // ends with the last whole line
+    chunks,  // ends with the last byte written; its reader finds the last whole chunk
+  };
+
   /// Creates or truncates the file. Text is written at most gather_period after write(), unless the file
   /// stalls. Errors are reported by close().
+  /// A failed write, as on a full disk, is repeated until close(), and accepted text waits. A file that was
+  /// removed is created again with its text so far, as are its folders.
   /// room: capacity for waiting text, bytes. source: further text, polled every gather_period; may outlive
   /// this object.
-  BackgroundFile(const std::string& path, std::size_t room, Source source = nullptr);
+  BackgroundFile(const std::string& path, std::size_t room, Source source = nullptr,
+                 Content content = Content::lines);
   /// Writes to an open descriptor and leaves it open, for standard error.
   BackgroundFile(int descriptor, std::size_t room);
   /// Does not wait: text that is still unwritten may be lost.
@@ -62,11 +67,5 @@ class BackgroundFile {
   std::shared_ptr<State> state_;  // shared with the thread, which may outlive this object in a blocked write
   std::thread thread_;
 };
-
-/// Returns the bytes that this user may still write into a folder; none if there is no such folder.
-std::optional<std::uint64_t> free_bytes(const std::filesystem::path& folder);
-/// Checks that records can be written into a folder for an hour; less is degraded, below a minute failed.
-/// free: bytes, see free_bytes(). bytes_per_s: bytes that a run writes, 1/s.
-RtStep disk_check(const std::filesystem::path& folder, std::optional<std::uint64_t> free, double bytes_per_s);
 
 }  // namespace godobject

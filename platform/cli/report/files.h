@@ -60,8 +60,8 @@ struct RunFileNames {
   std::string scene;  // path of the scene file, whose folder has the files that it refers to
   std::string trace, contacts, nets;
   CsvRows::Sink trace_rows = nullptr;  // receives the rows of the trace in place of a file
-  std::string record;    // a log of frames, or by its ending an input log
-  std::string on_fault;  // input log of the last seconds before the first fault
+  std::string record;                  // a log of frames, or by its ending an input log
+  std::string on_fault;                // input log of the last seconds before the first fault
   std::uint64_t trace_every =
       1;  // write every n-th row of trace and contacts, and rows where a fault begins or ends
   std::uint64_t nets_every = 40;  // write every n-th row of nets
@@ -85,7 +85,8 @@ void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_N
 /// Input log in a file, as its chunks come.
 class InputLogOnDisk {
  public:
-  explicit InputLogOnDisk(const std::string& path, std::size_t room) : path_(path), file_(path, room) {}
+  explicit InputLogOnDisk(const std::string& path, std::size_t room)
+      : path_(path), file_(path, room, nullptr, BackgroundFile::Content::chunks) {}
 
   void add(std::string_view bytes, std::uint64_t rows, std::chrono::milliseconds patience);
   /// Number of rows that did not fit so far.

@@ -101,7 +101,7 @@ void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losse
     }
     faults.push_back({.name = std::string(text_of(RunFault::file_incomplete).name),
                       .text = loss.path + " could not be written in full: " + loss.why + "; it lacks " +
-                              std::to_string(loss.lost_lines) + " lines and any line that was cut off"});
+                              std::to_string(loss.lost_lines) + " lines"});
   }
   const auto lost = [&](const std::string& file, std::uint64_t count) {
     if (!file.empty() && count > 0)

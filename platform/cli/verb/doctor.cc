@@ -10,7 +10,7 @@
 #include "platform/cli/program.h"
 #include "platform/cli/run/options.h"
 #include "platform/linux/serial_port.h"
-#include "platform/rt/background_file.h"
+#include "platform/rt/disk.h"
 #include "platform/rt/setup.h"
 #include "platform/scene/toml.h"
 #include "platform/trace/trace.h"

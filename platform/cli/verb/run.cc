@@ -162,6 +162,7 @@ ExitCode run(RunOptions options) {
   if (!files.wrote_on_fault()) options.files.on_fault.clear();
   RunReport report = make_report(options, prepared, *result, losses);
   report.wall_origin_ns = wall_origin_ns;
+  static_cast<void>(make_folders(options));  // some may have been removed during the run
   if (!options.report.empty())
     if (const std::string why = write_report(options.report, report); !why.empty())
       report.faults.push_back(

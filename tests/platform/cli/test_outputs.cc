@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,13 +25,12 @@ namespace {
 using std::chrono::milliseconds;
 using testing::AnyOf;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 using Clock = BackgroundFile::Clock;
 
 constexpr std::size_t room = 1 << 16;
 
-class BackgroundFiles : public ProgramTest {
+class OutputFiles : public ProgramTest {
  protected:
   std::string fifo() const {
     const std::string name = path("fifo");
@@ -41,56 +39,13 @@ class BackgroundFiles : public ProgramTest {
   }
 };
 
-TEST_F(BackgroundFiles, HasAllThatWasWritten) {
-  std::string expected;
-  BackgroundFile file(path("file"), room);
-  for (int i = 0; i < 20'000; ++i) {
-    const std::string line = "line " + std::to_string(i) + "\n";
-    ASSERT_TRUE(file.write(line, milliseconds(60'000))) << "it waits for room";
-    expected += line;
-  }
-  const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(60'000));
-  EXPECT_THAT(result.why, IsEmpty());
-  EXPECT_EQ(result.lost_lines, 0u);
-  EXPECT_EQ(read_file(path("file")), expected);
-}
-
-TEST_F(BackgroundFiles, RowsOfAnInputLogThatNobodyReadsAreCounted) {
+TEST_F(OutputFiles, RowsOfAnInputLogThatNobodyReadsAreCounted) {
   InputLogOnDisk log(fifo(), room);
   log.add("head", 0, milliseconds(0));
   for (int i = 0; i < 5; ++i) log.add("a chunk", 20, milliseconds(0));
   const std::optional<FileLoss> loss = log.close(Clock::now());
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->lost_lines, 100u);
-}
-
-TEST_F(BackgroundFiles, NobodyWhoReadsKeepsNobody) {
-  BackgroundFile file(fifo(), room);
-  const Clock::time_point begin = Clock::now();
-  for (int i = 0; i < 10; ++i) file.write("a line\n");
-  EXPECT_FALSE(file.write(std::string(2 * room, '\n'))) << "no room: all of it is left out";
-  const BackgroundFile::Result result = file.close(Clock::now() + milliseconds(100));
-  EXPECT_LT(Clock::now() - begin, milliseconds(1500));
-  EXPECT_THAT(result.why, HasSubstr("accepted no more"));
-  EXPECT_EQ(result.lost_lines, 10 + 2 * room);
-}
-
-TEST_F(BackgroundFiles, AFileThatTakesNothingIsGivenUp) {
-  BackgroundFile file(fifo(), room);
-  EXPECT_TRUE(file.write("a line\n", milliseconds(50)));
-  EXPECT_FALSE(file.write(std::string(room, '\n'), milliseconds(50)));
-  EXPECT_FALSE(file.write("a line\n", milliseconds(60'000))) << "and not waited for again";
-  EXPECT_THAT(file.close(Clock::now()).why, HasSubstr("accepted no bytes for 50 ms"));
-}
-
-TEST_F(BackgroundFiles, SaysWhyNot) {
-  BackgroundFile nowhere(path("no/such/folder"), room);
-  EXPECT_THAT(nowhere.close(Clock::now() + milliseconds(10'000)).why, HasSubstr("No such file"));
-  BackgroundFile full("/dev/full", room);
-  full.write("one\ntwo\n");
-  const BackgroundFile::Result result = full.close(Clock::now() + milliseconds(10'000));
-  EXPECT_THAT(result.why, HasSubstr("No space left"));
-  EXPECT_EQ(result.lost_lines, 2u);
 }
 
 class Outputs : public ProgramTest {};
@@ -194,7 +149,7 @@ TEST_F(Outputs, OutOfMemoryInSetUpIsReported) {
 }
 
 /// Closed standard descriptors are not reused for a file, which would receive the status lines.
-TEST_F(BackgroundFiles, ClosedStandardDescriptorsBecomeNoOutput) {
+TEST_F(OutputFiles, ClosedStandardDescriptorsBecomeNoOutput) {
   for (const char* closed : {"2>&-", "<&-", "<&- >&- 2>&-", ">&- 2>&-"}) {
     const std::string trace = path("t.csv");
     const ProgramResult result =
@@ -211,7 +166,7 @@ TEST_F(BackgroundFiles, ClosedStandardDescriptorsBecomeNoOutput) {
   }
 }
 
-TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
+TEST_F(OutputFiles, ClosedStandardDescriptorsAreTheNullDevice) {
   BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--duration", "60",
                          "--trace", path("t.csv")},
                         {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO});
@@ -223,7 +178,7 @@ TEST_F(BackgroundFiles, ClosedStandardDescriptorsAreTheNullDevice) {
 }
 
 /// A killed run loses at most half a second of every file.
-TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
+TEST_F(OutputFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   const std::vector<std::string> names{path("t.csv"), path("r.log")};
   // At a period of 10 ms a program under ThreadSanitizer keeps its deadlines, and the rig stays armed.
   BackgroundProgram run({"run", "sim/scenes/rigid.toml", "--bus", "sim", "--realtime", "--step", "0.01",
@@ -254,7 +209,7 @@ TEST_F(BackgroundFiles, AKilledRunHasWrittenAllButTheLastHalfSecond) {
   EXPECT_NEAR(trace_s, record_s, 0.5) << "both up to the same time, but for the boot";
 }
 
-TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
+TEST_F(OutputFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
   const std::string trace = path("a/b/c/t.csv"), report = path("d/e/r.json");
   EXPECT_EQ(run_program("run sim/scenes/rigid.toml --bus direct --duration 0.1 --trace " + trace +
                         " --report " + report)
@@ -269,7 +224,7 @@ TEST_F(BackgroundFiles, FoldersOfAnOutputAreMadeWithTheirParents) {
 }
 
 /// `ulimit -s`, which a process without rights cannot raise.
-TEST_F(BackgroundFiles, ASmallStackIsEnough) {
+TEST_F(OutputFiles, ASmallStackIsEnough) {
   for (const char* scene : {"rigid", "lego", "organ-soft", "grasper", "endobag"})
     for (const char* verb :
          {"check", "run --duration 0.05 --bus direct --realtime", "run --duration 0.05 --bus direct"}) {
@@ -283,7 +238,7 @@ TEST_F(BackgroundFiles, ASmallStackIsEnough) {
 }
 
 /// Unread answers of a simulation do not delay it.
-TEST_F(BackgroundFiles, UnreadAnswersDoNotStallASimulation) {
+TEST_F(OutputFiles, UnreadAnswersDoNotStallASimulation) {
   BackgroundProgram far({"simulate", "sim/scenes/rigid.toml", "--control", "-", "--report", path("r.json"),
                          "--bus", "can0=pty", "--bus", "can1=pty"});
   while (far.line() != "ready") continue;

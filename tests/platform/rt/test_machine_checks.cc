@@ -8,7 +8,7 @@
 
 #include "platform/linux/bus/socket_can.h"
 #include "platform/linux/serial_port.h"
-#include "platform/rt/background_file.h"
+#include "platform/rt/disk.h"
 #include "platform/rt/setup.h"
 #include "tests/support/program.h"
 
