@@ -220,7 +220,8 @@ void InputLogWriter::add(const CycleRecord& record) {
   to_words(record, row_);
   put_row(rows_, row_, before_);
   std::swap(row_, before_);
-  if (++num_rows_ == input_log_chunk_rows) flush();
+  t_ = record.t;
+  if (++num_rows_ == input_log_chunk_rows || t_ - t_flushed_ >= input_log_chunk_s) flush();
 }
 
 void InputLogWriter::add(const EngineState& state) {
@@ -243,6 +244,7 @@ void InputLogWriter::flush() {
   write(InputLogKind::rows, num_rows_, false);
   rows_.clear();
   num_rows_ = 0;
+  t_flushed_ = t_;
   std::ranges::fill(before_, 0);
 }
 

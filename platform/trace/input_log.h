@@ -30,8 +30,9 @@ inline constexpr std::string_view input_log_ending = ".godo";
 /// True if a file of this name is an input log.
 inline bool is_input_log(std::string_view path) noexcept { return path.ends_with(input_log_ending); }
 
-/// Largest number of rows in a chunk.
+/// Largest number of rows in a chunk, and their longest time, s: later rows are in memory only.
 inline constexpr std::uint64_t input_log_chunk_rows = 128;
+inline constexpr double input_log_chunk_s = 0.2;
 
 /// Returns the number of cycles from one state to the next: a second, but at most 1000 of them. step: s.
 constexpr std::uint64_t cycles_between_states(double step) noexcept {
@@ -119,7 +120,8 @@ class InputLogWriter {
   Sink sink_;
   std::vector<std::uint64_t> row_, before_;
   std::string rows_, payload_, chunk_;
-  std::uint64_t num_rows_ = 0;  // in rows_
+  std::uint64_t num_rows_ = 0;    // in rows_
+  double t_ = 0, t_flushed_ = 0;  // time of the last row, and of the last one in a chunk, s
 };
 
 /// Chunks of the last seconds before a fault, in memory of a fixed size.
