@@ -18,13 +18,11 @@ bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexc
 
 void FaultInjector::add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes,
                             const RigParams& rig) {
-  auto second_port = std::make_unique<SimCanPort>(wire);
-  auto second_host = std::make_unique<SimSecondHost>(*second_port, rig, buses_.size());
   buses_.push_back({.host = &host,
                     .nodes = &nodes,
                     .impostor_port = std::make_unique<SimCanPort>(wire),
-                    .second_port = std::move(second_port),
-                    .second_host = std::move(second_host)});
+                    .second_host = {wire, frames_of_second_host(rig, buses_.size())},
+                    .flood = {wire, {flooding_frame}}});
 }
 
 std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimNode& node,
@@ -45,7 +43,7 @@ void FaultInjector::schedule_all(std::span<const SimFault> faults) {
   waiting_.assign(faults.begin(), faults.end());
   waiting_.reserve(faults.size() + capacity);
   active_.reserve(faults.size() + capacity);
-  for (const BusEntry& bus : buses_) bus.nodes->reserve(bus.nodes->size() + 2);
+  for (const BusEntry& bus : buses_) bus.nodes->reserve(bus.nodes->size() + 3);
 }
 
 bool FaultInjector::schedule(const SimFault& fault) noexcept {
@@ -104,7 +102,8 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
       for_each_port(fault, [](SimCanPort& port) { static_cast<void>(port.restart()); });
       break;
     case FaultVerb::id_collision: admit_impostor(fault, now); break;
-    case FaultVerb::second_host: admit_second_host(fault, now); break;
+    case FaultVerb::second_host: admit(&BusEntry::second_host, fault, fault.value, now); break;
+    case FaultVerb::flood: admit(&BusEntry::flood, fault, 1 / fault.value, now); break;
     default: break;
   }
   if (once && fault.verb != FaultVerb::spike) return;
@@ -124,9 +123,8 @@ void FaultInjector::end(const SimFault& fault) noexcept {
       dismiss_impostor(buses_[fault.first_bus]);
       static_cast<void>(node_of(fault)->port->restart());
       break;
-    case FaultVerb::second_host:
-      for (std::size_t bus = fault.first_bus; bus < fault.end_bus; ++bus) dismiss_second_host(buses_[bus]);
-      break;
+    case FaultVerb::second_host: dismiss(&BusEntry::second_host, fault); break;
+    case FaultVerb::flood: dismiss(&BusEntry::flood, fault); break;
     default: break;
   }
 }
@@ -202,20 +200,25 @@ void FaultInjector::dismiss_impostor(BusEntry& bus) noexcept {
   bus.impostor_port->close();
 }
 
-void FaultInjector::admit_second_host(const SimFault& fault, Nanoseconds now) noexcept {
+/// Adds a stranger to the buses of the fault. period_s: between its frames.
+void FaultInjector::admit(Stranger BusEntry::*which, const SimFault& fault, double period_s,
+                          Nanoseconds now) noexcept {
+  dismiss(which, fault);
   for (std::size_t i = fault.first_bus; i < fault.end_bus; ++i) {
-    BusEntry& bus = buses_[i];
-    dismiss_second_host(bus);
-    if (!bus.second_port->open()) continue;
-    bus.second_host->set_period(to_ns(fault.value));
-    bus.second_host->power_cycle(now);
-    bus.nodes->push_back(bus.second_host.get());
+    const Stranger& stranger = buses_[i].*which;
+    if (!stranger.port->open()) continue;
+    stranger.node->set_period(to_ns(period_s));
+    stranger.node->power_cycle(now);
+    buses_[i].nodes->push_back(stranger.node.get());
   }
 }
 
-void FaultInjector::dismiss_second_host(BusEntry& bus) noexcept {
-  std::erase(*bus.nodes, bus.second_host.get());
-  bus.second_port->close();
+void FaultInjector::dismiss(Stranger BusEntry::*which, const SimFault& fault) noexcept {
+  for (std::size_t i = fault.first_bus; i < fault.end_bus; ++i) {
+    const Stranger& stranger = buses_[i].*which;
+    std::erase(*buses_[i].nodes, stranger.node.get());
+    stranger.port->close();
+  }
 }
 
 FaultInjector::NodeEntry* FaultInjector::node_of(const SimFault& fault) noexcept {

@@ -9,7 +9,7 @@
 #include "sim/fault/sensor_fault.h"
 #include "sim/fault/target.h"
 #include "sim/node/encoder.h"
-#include "sim/node/second_host.h"
+#include "sim/node/stranger.h"
 
 namespace godobject {
 
@@ -26,7 +26,7 @@ class FaultInjector {
 
   // Set-up, in the order of the rig's buses. Added objects must outlive the injector. Allocates.
 
-  /// nodes: nodes that run on the wire; impostors and a second host are added to it. rig: parameters of all
+  /// nodes: nodes that run on the wire; impostors and strangers are added to it. rig: parameters of all
   /// buses.
   void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes, const RigParams& rig);
   /// Returns the index for shown().
@@ -52,13 +52,19 @@ class FaultInjector {
   const SimCanPort* port_of(std::size_t bus, std::uint8_t node_id) const noexcept;
 
  private:
+  struct Stranger {
+    Stranger(SimCanWire& wire, std::vector<CanFrame> frames)
+        : port(std::make_unique<SimCanPort>(wire)),
+          node(std::make_unique<SimStranger>(*port, std::move(frames))) {}
+    std::unique_ptr<SimCanPort> port;  // closed while it is not on the bus
+    std::unique_ptr<SimStranger> node;
+  };
   struct BusEntry {
     SimCanPort* host;
     std::vector<SimNode*>* nodes;
     std::unique_ptr<SimCanPort> impostor_port;  // for a second node with an existing id; closed without one
     SimEncoder* impostor = nullptr;             // the one on the bus now
-    std::unique_ptr<SimCanPort> second_port;    // for the second host; closed without it
-    std::unique_ptr<SimSecondHost> second_host;
+    Stranger second_host, flood;
   };
   struct NodeEntry {
     std::size_t bus;
@@ -79,8 +85,8 @@ class FaultInjector {
   std::optional<double> level(FaultVerb verb, std::size_t bus, std::uint8_t node_id) const noexcept;
   void admit_impostor(const SimFault& fault, Nanoseconds now) noexcept;
   void dismiss_impostor(BusEntry& bus) noexcept;
-  void admit_second_host(const SimFault& fault, Nanoseconds now) noexcept;
-  void dismiss_second_host(BusEntry& bus) noexcept;
+  void admit(Stranger BusEntry::*which, const SimFault& fault, double period_s, Nanoseconds now) noexcept;
+  void dismiss(Stranger BusEntry::*which, const SimFault& fault) noexcept;
   void swap_ids() noexcept;
   std::size_t index_of(std::size_t bus, std::uint8_t node_id) const noexcept;
   NodeEntry* node_of(const SimFault& fault) noexcept;

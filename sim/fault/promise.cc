@@ -56,6 +56,10 @@ constexpr std::array promises{
                  {{{sensors_disagree, travel}, {sample_implausible, votes, false}}},
                  run_down},
     FaultPromise{"second-host", {{{second_host, at_once}}}, run_down},
+    FaultPromise{"flood", {}, keep},
+    FaultPromise{"flood value=2e4",
+                 {{lost_sample, lost_drive, lost_heartbeat, {send_refused, lost, false}}},
+                 watchdog},
 };
 
 constexpr int cycles_more(FaultDelay delay) noexcept { return delay == votes ? 5 : 2; }

@@ -28,10 +28,11 @@ enum class FaultVerb : std::uint8_t {
   clock_drift,
   swap_ids,
   second_host,
+  flood,
   missing,
   disabled,
 };
-inline constexpr std::size_t num_fault_verbs = 19;
+inline constexpr std::size_t num_fault_verbs = 20;
 
 /// Target of a verb. A bus means the host's port on it.
 enum class FaultPlace : std::uint8_t {
