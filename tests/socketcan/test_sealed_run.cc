@@ -21,15 +21,16 @@ TEST_F(SealedOnSocketCan, WithTraceAndRecord) {
   std::string usual = patient_toml();
   usual.replace(usual.find("5e-3"), 4, "1e-2");
   const std::string scene = write("scene.toml", length_of<std::string>(usual, two_joints_toml));
+  const int seconds = sealed_seconds(6);
   BackgroundProgram far({"simulate", scene, "--control", "-", "--bus", "can0=socketcan:vcan0", "--bus",
                          "can1=socketcan:vcan1"});
   for (std::string line = far.line(); line != "ready"; line = far.line()) ASSERT_NE(line, "");
   const LoopGuard guard(path("calls.txt"));
   const ProgramResult result = run_program(
       "run " + scene + " --bus can0=socketcan:vcan0 --bus can1=socketcan:vcan1 --seal --duration " +
-      std::to_string(sealed_seconds(6)) + " --trace " + path("trace.csv") + " --record " + path("bus.log") +
+      std::to_string(seconds) + " --trace " + path("trace.csv") + " --record " + path("bus.log") +
       " --report " + path("report.json"));
-  expect_sealed(path("report.json"), result.output, guard);
+  expect_sealed(path("report.json"), seconds, length_of(1e-2, 1e-3), guard, result.output);
   const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
   EXPECT_GT(report["answers"]["frames"], report["cycles"]);
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -55,13 +56,16 @@ class LoopGuard {
   std::string path_;
 };
 
-inline void expect_sealed(const std::string& report_path, const std::string& output, const LoopGuard& guard) {
+/// Expects a report without a refused call, and with each step of a run of this length. A late run has them
+/// too, because it ends after their number. seconds, step: s. output: for messages.
+inline void expect_sealed(const std::string& report_path, int seconds, double step, const LoopGuard& guard,
+                          const std::string& output = "") {
   guard.expect_nothing();
   const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
   ASSERT_TRUE(report.contains("seal")) << output;
   EXPECT_TRUE(report["seal"]["broken_by"].is_null()) << report["seal"];
   EXPECT_EQ(report["seal"]["refused_calls"], 0);
-  EXPECT_GT(report["cycles"], 100);  // a sixth of those of an idle machine, and enough for the next lines
+  EXPECT_EQ(report["cycles"], std::lround(seconds / step)) << output;
   ASSERT_TRUE(report.contains("page_faults")) << output;
   std::printf("%s cycles, %s missed deadlines\n", report["cycles"].dump().c_str(),
               report["timing"]["missed_deadlines"].dump().c_str());
