@@ -69,8 +69,8 @@ inline void expect_sealed(const std::string& report_path, int seconds, double st
   ASSERT_TRUE(report.contains("page_faults")) << output;
   std::printf("%s cycles, %s missed deadlines\n", report["cycles"].dump().c_str(),
               report["timing"]["missed_deadlines"].dump().c_str());
-  for (const auto& step : report["machine"]["rt_setup"])
-    if (step["step"] == "lock memory" && step["result"] == "ok") {
+  for (const auto& done : report["machine"]["rt_setup"])
+    if (done["step"] == "lock memory" && done["result"] == "ok") {
       EXPECT_EQ(report["page_faults"]["minor"], 0);
       EXPECT_EQ(report["page_faults"]["major"], 0);
     }
