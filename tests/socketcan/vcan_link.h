@@ -22,6 +22,7 @@ class VcanBus final : public CanBus {
   VcanBus(std::string interface, SimCanPort& wire, const std::vector<CanFilter>& filters)
       : interface_(std::move(interface)),
         wire_(wire),
+        filters_(filters),
         host_(interface_, {.filters = filters}),
         device_(interface_, {}) {
     plug_in();
@@ -62,7 +63,7 @@ class VcanBus final : public CanBus {
     for (ReceivedFrame received; wire_.try_receive(received);) {
       const SendResult result = device_.try_send(received.frame);
       EXPECT_TRUE(result == SendResult::queued || result == SendResult::down) << device_.trouble();
-      if (result == SendResult::queued) to_host_.push_back(received.t_ns);
+      if (result == SendResult::queued && passes(filters_, received.frame)) to_host_.push_back(received.t_ns);
     }
   }
   /// Reads the host's own frames that the kernel returned, once it has read all others.
@@ -85,6 +86,7 @@ class VcanBus final : public CanBus {
  private:
   std::string interface_;
   SimCanPort& wire_;
+  std::vector<CanFilter> filters_;  // of the host: the kernel drops other frames
   SocketCanBus host_, device_;
   std::size_t to_device_ = 0;        // frames that the kernel holds for the device
   std::deque<Nanoseconds> to_host_;  // frames that the kernel holds for the host, by their time of completion
