@@ -1,5 +1,5 @@
-// The program godobject, with a step that loops forever once the first word of the file $GODOBJECT_LOOP is not
-// 0. The second word is then the time of day at which the loop began, s: test_torque_gone.py.
+// The program godobject, with a step that loops forever once the first word of the file $GODOBJECT_LOOP is
+// not 0. The second word is then the time of day at which the loop began, s: test_torque_gone.py.
 #include <fcntl.h>
 #include <sys/mman.h>
 
