@@ -15,12 +15,10 @@
 #include "hal/rig/rig.h"
 #include "platform/engine/engine.h"
 #include "platform/motion/motion.h"
+#include "platform/rt/stages.h"
 #include "platform/scene/scene.h"
 
 namespace godobject {
-
-/// Clock of devices and steps, called in the loop.
-using LoopClock = Nanoseconds (*)() noexcept GODOBJECT_NONBLOCKING;
 
 /// One period of a run, passed to the devices of a session in their order.
 struct Period {
@@ -30,6 +28,7 @@ struct Period {
   Nanoseconds began = 0;         // start of this period on the devices' clock, ns
   Nanoseconds now = 0;           // time after the answers of this period, ns
   bool has_begun = false;        // true if a device has set `began` by its clock
+  StageWatch stages{};           // times of this period
 
   /// Sets the start of the period for devices without a clock of their own.
   /// clock: time source; null: a step after the period before.

@@ -39,11 +39,14 @@ RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link,
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[*target]);
+  for (CanBus* const bus : link_->buses()) timed_.emplace_back(*bus);
   make_rig();
 }
 
 void RigDevice::make_rig() {
-  rig_.emplace(params_, cycle_s_, link_->buses());
+  std::vector<CanBus*> buses;
+  for (TimedBus& bus : timed_) buses.push_back(&bus);
+  rig_.emplace(params_, cycle_s_, buses);
   rig_->control_passivity(controllers_);
 }
 
@@ -52,17 +55,29 @@ void RigDevice::boot(Period& period) noexcept {
   static_cast<void>(send(period, {}));
 }
 
-/// Sends SYNC and receives the answers, until all have arrived or their share of the period is over.
-DeviceSample RigDevice::exchange(Period& period, bool starting) noexcept {
+/// Begins a period on the buses. A simulated device computes the rest of the last one.
+void RigDevice::begin(Period& period) noexcept {
+  for (TimedBus& bus : timed_) bus.time_by(period.stages);
+  const InStage stage(period.stages, Stage::wait);
   period.began = link_->begin_cycle(period.t);
   period.has_begun = true;
+}
+
+Nanoseconds RigDevice::wait(Period& period, Nanoseconds until) noexcept {
+  const InStage stage(period.stages, Stage::wait);
+  return link_->wait(until);
+}
+
+/// Sends SYNC and receives the answers, until all have arrived or their share of the period is over.
+DeviceSample RigDevice::exchange(Period& period, bool starting) noexcept {
+  begin(period);
   if (starting) rig_->start(period.began);
   rig_->receive(period.began);  // before SYNC: a serial line stamps frames when it reads them
   rig_->sync(period.began);
   period.now = period.began;
   const Nanoseconds deadline = period.began + gather_ns_;
   do {
-    period.now = link_->wait(deadline);
+    period.now = wait(period, deadline);
     rig_->receive(period.now);
   } while (!rig_->complete() && period.now < deadline);
   return rig_->read(period.now);
@@ -111,9 +126,8 @@ CommandReport RigDevice::send(Period& period, std::span<const Wrench> F_hand_W) 
 
 /// Receives frames in a period without SYNC.
 void RigDevice::take_in(Period& period) noexcept {
-  period.began = link_->begin_cycle(period.t);
-  period.has_begun = true;
-  period.now = link_->wait(period.began);
+  begin(period);
+  period.now = wait(period, period.began);
   rig_->receive(period.now);
 }
 

@@ -40,6 +40,31 @@ class DriveSwings {
   std::vector<SwingWatch> watches_;
 };
 
+/// A bus whose frames are timed as the stages `send` and `receive` of a period. Forwards all calls.
+class TimedBus final : public CanBus {
+ public:
+  explicit TimedBus(CanBus& bus) : bus_(bus) {}
+
+  /// Sets the watch, which must outlive the next calls.
+  void time_by(StageWatch& watch) noexcept { watch_ = &watch; }
+  [[nodiscard]] bool open() noexcept override { return bus_.open(); }
+  void close() noexcept override { bus_.close(); }
+  [[nodiscard]] SendResult try_send(const CanFrame& frame) noexcept override {
+    const InStage stage(*watch_, Stage::send);
+    return bus_.try_send(frame);
+  }
+  [[nodiscard]] bool try_receive(ReceivedFrame& out) noexcept override {
+    const InStage stage(*watch_, Stage::receive);
+    return bus_.try_receive(out);
+  }
+  BusState state() const noexcept override { return bus_.state(); }
+  BusCounters counters() const noexcept override { return bus_.counters(); }
+
+ private:
+  CanBus& bus_;
+  StageWatch* watch_ = nullptr;
+};
+
 class RigDevice final : public HandDevice {
  public:
   /// Returns the errors of the scene's rig (which must exist); empty if it can be used.
@@ -82,6 +107,8 @@ class RigDevice final : public HandDevice {
   RigCounters counters() const noexcept;
 
  private:
+  void begin(Period& period) noexcept;
+  Nanoseconds wait(Period& period, Nanoseconds until) noexcept;
   DeviceSample exchange(Period& period, bool starting) noexcept;
   void make_rig();
   CommandReport send(Period& period, std::span<const Wrench> F_hand_W) noexcept;
@@ -93,6 +120,7 @@ class RigDevice final : public HandDevice {
   std::vector<std::size_t> bodies_;  // one per handle
   PrescribedSamples joints_;
   std::unique_ptr<RigLink> link_;
+  std::vector<TimedBus> timed_;  // one per bus of the link
   std::vector<PassivityParams> controllers_;
   std::optional<Rig> rig_;
   RigCounters earlier_rigs_;

@@ -96,8 +96,11 @@ std::string SocketDevice::open(const std::string& path) {
 
 void SocketDevice::read(Period& period, std::span<BodySample> samples) noexcept {
   period.begin_by(clock_);
-  accept_program();
-  receive();
+  {
+    const InStage stage(period.stages, Stage::receive);
+    accept_program();
+    receive();
+  }
   stream_.play(period.now, period.step);
   const bool valid = program_ >= 0 && stream_.valid();
   was_valid_ = was_valid_ || valid;
@@ -119,6 +122,7 @@ void SocketDevice::command(Period& period, std::span<const Wrench> F_hand_W, Sho
     wrench.tau_W_Nm = {F.tau.x(), F.tau.y(), F.tau.z()};
     wrench.flags = WrenchPacket::live;
   }
+  const InStage stage(period.stages, Stage::send);
   send(wrench);
   shown_ = wrench;
 }

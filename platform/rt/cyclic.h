@@ -90,8 +90,8 @@ class Histogram {
 };
 
 struct CyclicStatistics {
-  Histogram wake_ns;     // from the planned to the actual start of a cycle
-  Histogram compute_ns;  // from the start of a cycle to its end
+  Histogram wake_ns;   // from the planned to the actual start of a cycle
+  Histogram cycle_ns;  // from the start of a cycle to its end, waits included
   std::uint64_t cycles = 0;
   std::uint64_t late = 0;     // cycles that ended after their period
   std::uint64_t skipped = 0;  // whole periods in which no cycle ran
@@ -133,7 +133,7 @@ class Cyclic {
 
       const Nanoseconds end = clock_.now();
       statistics_.wake_ns.add(latency);
-      statistics_.compute_ns.add(end - start);
+      statistics_.cycle_ns.add(end - start);
       ++statistics_.cycles;
       late = end > release + period_;
       if (late) ++statistics_.late;

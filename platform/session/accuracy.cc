@@ -54,7 +54,7 @@ std::vector<std::string> run_scene(SceneConfig scene, const Motion& motion, cons
   Session::Made made = Session::make(std::move(scene), motion);
   if (!made.session) return made.errors;
   Session& session = *made.session;
-  session.set_step_clock([]() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); });
+  session.set_stage_clock([]() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); });
   if (!session.engine().nets().nodes.empty()) session.list_net_nodes();
   CycleRecord record = session.at_start();
   const std::uint64_t every = times_within(run.step_s, span.interval_s);

@@ -73,7 +73,7 @@ struct CycleRecord {
   std::size_t num_touching = 0;
   // Positions of the nodes of nets, in the order of Engine::nets(). Empty unless the session lists them.
   std::vector<Vec3> net_nodes;
-  Nanoseconds step_ns = 0;  // duration of the engine's step alone, by the step clock
+  Nanoseconds step_ns = 0;  // duration of the engine's step alone: Stage::step
   // Start of this period and of the period with t = 0, on the clock of the buses; 0 without one.
   Nanoseconds t_bus_ns = 0, motion_start_ns = 0;
   std::vector<TargetSample> targets;

@@ -11,13 +11,21 @@ namespace godobject {
 // --- one period -----------------------------------------------------------------------------------
 
 void Session::cycle(CycleRecord& record) noexcept {
+  StageWatch& stages = phases_.period().stages;
   ++cycle_;
+  stages.start(Stage::decode);
   read();
   check();
+  if (world_ != nullptr) world_->begin(*engine_);
   step(record);
   limit(record);
+  stages.enter(Stage::encode);
   command(record);
-  if (truth_) truth_->step(phases_.period().t, samples_);
+  if (truth_) {
+    const InStage stage(stages, Stage::wait);
+    truth_->step(phases_.period().t, samples_);
+  }
+  stages.enter(Stage::observe);
   observe(record);
 }
 
@@ -42,10 +50,11 @@ void Session::check() noexcept {
 }
 
 void Session::step(CycleRecord& record) noexcept {
-  if (world_ != nullptr) world_->begin(*engine_);
-  const Nanoseconds start = step_clock_();
+  StageWatch& stages = phases_.period().stages;
+  stages.enter(Stage::step);
   const StepReport report = engine_->step(samples_);
-  record.step_ns = step_clock_() - start;
+  stages.enter(Stage::limit);
+  record.step_ns = stages.spent(Stage::step);
   if (world_ != nullptr) world_->end(*engine_, motion_time());
   record.fault = report.fault;
   record.limited = report.limited;

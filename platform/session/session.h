@@ -16,6 +16,7 @@
 #include "platform/device/trackers.h"
 #include "platform/engine/engine.h"
 #include "platform/rt/loop_calls.h"
+#include "platform/rt/stages.h"
 #include "platform/scene/toml.h"
 #include "platform/session/grip.h"
 #include "platform/session/record.h"
@@ -131,8 +132,10 @@ class Session {
   Nanoseconds bus_time_ns() const noexcept { return phases_.period().began; }
   /// Start of the motion, after the first boot, on the same clock.
   Nanoseconds motion_start_ns() const noexcept { return motion_start_ns_; }
-  /// Sets the clock that times steps. Steps are not timed without one.
-  void set_step_clock(LoopClock now) noexcept { step_clock_ = now; }
+  /// Sets the clock that times the stages of cycles. They are not timed without one.
+  void set_stage_clock(LoopClock now) noexcept { phases_.period().stages.set_clock(now); }
+  /// Ends the last stage of a step, `observe`, which cycle() begins. Returns the times of its stages.
+  const StageTimes& end_stages() noexcept { return phases_.period().stages.stop(); }
   /// Makes records list their contacts. Call it before at_start().
   void list_contacts() noexcept { lists_contacts_ = true; }
   /// Makes records list the inputs of the engine and its hash. Call it before at_start().
@@ -189,7 +192,6 @@ class Session {
   bool on_hold_ = false, deadlines_missed_ = false;
   bool lists_contacts_ = false, lists_net_nodes_ = false, lists_inputs_ = false;
   bool real_ = false;  // a real device, with real time
-  LoopClock step_clock_ = []() noexcept GODOBJECT_NONBLOCKING { return Nanoseconds{0}; };
   Nanoseconds motion_start_ns_ = 0;
   std::uint64_t cycle_ = 0;
   double passed_s_ = 0;  // time passed to the engine before this step

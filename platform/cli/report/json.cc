@@ -148,10 +148,18 @@ Json to_array(const std::vector<T>& items) {
 }
 
 Json timing(const CyclicStatistics& t, const RunStatistics& run) {
-  return {{"missed_deadlines", t.missed()},      {"late_cycles", t.late},
-          {"skipped_periods", t.skipped},        {"holds", run.holds},
-          {"hold_cycles", run.hold_cycles},      {"wake_us", to_json(t.wake_ns)},
-          {"compute_us", to_json(t.compute_ns)}, {"step_us", to_json(run.step_ns)}};
+  Json stages;
+  for (std::size_t i = 0; i < stage_names.size(); ++i)
+    stages[std::string(stage_names[i])] = to_json(run.stage_ns[i]);
+  return {{"missed_deadlines", t.missed()},
+          {"late_cycles", t.late},
+          {"skipped_periods", t.skipped},
+          {"holds", run.holds},
+          {"hold_cycles", run.hold_cycles},
+          {"wake_us", to_json(t.wake_ns)},
+          {"cycle_us", to_json(t.cycle_ns)},
+          {"compute_us", to_json(run.compute_ns)},
+          {"stages_us", stages}};
 }
 
 Json to_json(const PeakAndMean& x, std::uint64_t cycles) {

@@ -225,7 +225,7 @@ double limit_percent(const RunStatistics& statistics, std::size_t limit) noexcep
 
 std::string slow_scene_warning(const CyclicStatistics& timing, const Histogram& step_ns, double period_s) {
   constexpr double share = 0.999;
-  const double cycle_s = 1e-9 * static_cast<double>(timing.compute_ns.percentile(share));
+  const double cycle_s = 1e-9 * static_cast<double>(timing.cycle_ns.percentile(share));
   if (cycle_s <= period_s) return {};
   const double step_s = 1e-9 * static_cast<double>(step_ns.percentile(share));
   const char* const remedy =
@@ -246,7 +246,7 @@ std::vector<std::string> run_warnings(const RunReport& report) {
   std::vector<std::string> warnings;
   add_limit_warnings(report.result.statistics, warnings);
   if (report.options.realtime) {
-    const std::string slow = slow_scene_warning(report.result.timing, report.result.statistics.step_ns,
+    const std::string slow = slow_scene_warning(report.result.timing, report.result.statistics.step_ns(),
                                                 report.session.scene().step);
     if (!slow.empty()) warnings.push_back(slow);
   }

@@ -132,7 +132,8 @@ struct RunStatistics {
   }
 
   std::uint64_t cycles = 0;
-  Histogram step_ns;  // duration of the engine's step alone
+  std::array<Histogram, stage_names.size()> stage_ns;  // time of each stage of a cycle
+  Histogram compute_ns;                                // of all stages but the wait for the device
   // Errors over engaged cycles after the ramp. Before, the body moves to the target, or is released.
   PoseErrorStatistics following, sensing, exact_following, encoders;
   std::array<std::uint64_t, run_limits.size()> limit_cycles{};        // number of cycles with that limit
@@ -150,6 +151,11 @@ struct RunStatistics {
   /// too little.
   static constexpr double max_held = 0.05;
 
+  void add(const StageTimes& times) noexcept {
+    for (std::size_t i = 0; i < times.size(); ++i) stage_ns[i].add(times[i]);
+    compute_ns.add(compute_time(times));
+  }
+  const Histogram& step_ns() const noexcept { return stage_ns[static_cast<std::size_t>(Stage::step)]; }
   void add(const CycleRecord& record) noexcept {
     ++cycles;
     for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].add(record.bodies[i]);
@@ -158,7 +164,6 @@ struct RunStatistics {
     for (std::size_t i = 0; i < drives.size(); ++i) drives[i].add(std::abs(record.drive_torque[i]));
     for (std::size_t i = 0; i < drive_energy.size(); ++i)
       drive_energy[i] = std::max(drive_energy[i], record.drive_energy[i]);
-    step_ns.add(record.step_ns);
     if (record.engaged && !has(record.limited, Limited::ramp)) {
       following.add(record.following);
       sensing.add(record.sensing);

@@ -13,6 +13,14 @@ void print_timing(std::FILE* out, const char* label, const Histogram& h) {
                us(0.999), 1e-3 * static_cast<double>(h.max()));
 }
 
+/// Prints the time of a cycle, that of its stages without the wait for the device, and each stage.
+void print_stages(std::FILE* out, const RunResult& result) {
+  print_timing(out, "cycle", result.timing.cycle_ns);
+  print_timing(out, "compute", result.statistics.compute_ns);
+  for (std::size_t i = 0; i < stage_names.size(); ++i)
+    print_timing(out, ("  " + std::string(stage_names[i])).c_str(), result.statistics.stage_ns[i]);
+}
+
 void print_error(std::FILE* out, const char* label, const PoseErrorStatistics& e) {
   if (e.count() == 0) {
     std::fprintf(out, "  %-26s not measured: no cycle was engaged with the ramp complete\n", label);
@@ -170,8 +178,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
     std::fprintf(out, "  %-26s %" PRIu64 " times, %" PRIu64 " cycles in all: see missed deadlines\n",
                  "held, force faded", result.statistics.holds, result.statistics.hold_cycles);
   print_timing(out, "wake-up", result.timing.wake_ns);
-  print_timing(out, report.link_timing ? "cycle" : "compute (with simulation)", result.timing.compute_ns);
-  print_timing(out, "  the step alone", result.statistics.step_ns);
+  print_stages(out, result);
   print_errors(out, report);
   if (report.link_timing) {
     print_timing(out, "added latency", report.link_timing->added_latency_ns);

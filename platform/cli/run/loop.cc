@@ -29,7 +29,7 @@ constexpr std::chrono::microseconds paused_interval{200};
 constexpr std::size_t console_bytes = 1 << 16;
 constexpr std::chrono::milliseconds console_patience{500};
 
-/// Returns an observer that writes frames to the files directly, while the thread of the wires may write.
+/// Returns an observer that writes frames to the files directly: only in a thread that may write.
 BusObserver observer_into(RunFiles& files) {
   return {.on_frame =
               [](void* context, std::size_t bus, const ReceivedFrame& frame) {
@@ -59,7 +59,7 @@ Ring<CycleEntry> make_cycle_ring(const Session& session) {
 }
 
 void prepare(Session& session, RunFiles& files) {
-  session.set_step_clock([]() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); });
+  session.set_stage_clock([]() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); });
   if (files.wants_frames()) session.set_bus_observer(observer_into(files));
   list_recorded(files.names(), session);
   files.start(session);
@@ -309,8 +309,9 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
       const bool stepped = cycle.run(record);
       events.drain();
       if (!stepped) continue;
+      result.timing.cycle_ns.add(end - start);
       const Nanoseconds end = clock.now();
-      result.timing.compute_ns.add(end - start);
+      if (stepped) cycle.end_stages();
       progress.update(record.t, end);
       files.add(record);
       if (!files.wants_inputs() || record.cycle % state_every != 0) continue;

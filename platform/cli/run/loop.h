@@ -74,6 +74,8 @@ class RunCycle {
     return true;
   }
   /// Returns true if the next period may run. Otherwise a page holds the run back, and the view receives
+  /// Adds the times of a step's stages, to be called at the end of its period.
+  void end_stages() noexcept { statistics_.add(session_.end_stages()); }
   /// `record` again.
   bool may_run(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
     if (!tap_ || session_.phase() != RunPhase::running || stop_.load(std::memory_order_relaxed) ||
@@ -169,6 +171,7 @@ class RealtimeCycle {
     }
     return !cycle_.ended();
   }
+      cycle_.end_stages();
   /// Called by the loop's thread at its end.
   void thread_ends() noexcept {
     if (steps_ >= warm_up_steps) page_faults_ += loop::page_faults() - faults_before_;

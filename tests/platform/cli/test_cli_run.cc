@@ -190,9 +190,9 @@ TEST_F(CliRun, RecordIsACandumpLogOfBothBusesInTheOrderOfTime) {
 TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   const ProgramResult result = run("a", rigid + " --duration 1 --integrator implicit-euler");
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const char* part : {"following error", "sensing error", "with no encoders", "encoders add", "bus load",
-                           "compute (with simulation)", "the step alone", "limits hit", "faults",
-                           "state hash", "a.csv", "a.log", "a.json"})
+  for (const char* part :
+       {"following error", "sensing error", "with no encoders", "encoders add", "bus load", "cycle  ",
+        "compute", "  decode", "limits hit", "faults", "state hash", "a.csv", "a.log", "a.json"})
     EXPECT_THAT(result.output, HasSubstr(part));
   const nlohmann::json json = report("a");
   EXPECT_EQ(json["cycles"], 1000);
@@ -204,6 +204,13 @@ TEST_F(CliRun, ReportHasWhatTheSummaryShows) {
   std::uint64_t counted = 0;
   for (const auto& bin : json["timing"]["compute_us"]["histogram"]) counted += bin[1].get<std::uint64_t>();
   EXPECT_EQ(counted, 1000u);
+  std::vector<std::string> stages;
+  for (const auto& stage : json["timing"]["stages_us"].items()) {
+    stages.push_back(stage.key());
+    EXPECT_GT(stage.value()["max"], 0) << stage.key();
+  }
+  EXPECT_EQ(stages.size(), stage_names.size());
+  EXPECT_GT(json["timing"]["cycle_us"]["p50"], json["timing"]["compute_us"]["p50"]) << "the simulated device";
   EXPECT_TRUE(json["timing"]["wake_us"].is_null());
   EXPECT_TRUE(json["stopped_by"].is_null());
   ASSERT_EQ(json["bus"].size(), 2u);

@@ -265,7 +265,7 @@ TEST(RunWarnings, ASceneThatIsTooSlowIsNamed) {
   CyclicStatistics timing;
   Histogram step_ns;
   for (int i = 0; i < 10'000; ++i) {
-    timing.compute_ns.add(i % 400 == 0 ? 1'180'000 : 300'000);
+    timing.cycle_ns.add(i % 400 == 0 ? 1'180'000 : 300'000);
     step_ns.add(i % 400 == 0 ? 1'100'000 : 250'000);
   }
   EXPECT_THAT(slow_scene_warning(timing, step_ns, 1e-3),
