@@ -1,4 +1,4 @@
-#include "platform/rt/setup.h"
+#include "platform/rt/machine_files.h"
 
 #include <fcntl.h>
 #include <linux/capability.h>
@@ -29,49 +29,16 @@ namespace {
 
 constexpr std::size_t prefault_bytes = std::size_t{256} * 1024;
 
-std::string error_text(int error) { return std::generic_category().message(error); }
-
 namespace fs = std::filesystem;
-
-/// Returns the first line of a file; none if it cannot be read.
-std::optional<std::string> first_line(const fs::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line)) return std::nullopt;
-  return line;
-}
-
-/// Returns the text after `name` in /proc/self/limits or /proc/self/status; empty if there is none.
-std::string text_after(const fs::path& path, std::string_view name) {
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with(name)) return line.substr(name.size());
-  return "";
-}
-
-/// Returns a limit of this process; UINT64_MAX: not limited, 0: unknown.
-std::uint64_t limit_of(const fs::path& root, std::string_view name) {
-  std::istringstream columns(text_after(root / "proc/self/limits", name));
-  std::string limit;
-  columns >> limit;
-  return limit == "unlimited" ? UINT64_MAX : std::strtoull(limit.c_str(), nullptr, 10);
-}
-
-/// True if this process has the capability of this number (capabilities(7)), for which limits do not apply.
-bool has_capability(const fs::path& root, unsigned number) {
-  std::istringstream mask(text_after(root / "proc/self/status", "CapEff:"));
-  std::uint64_t bits = 0;
-  return static_cast<bool>(mask >> std::hex >> bits) && (bits >> number & 1) != 0;
-}
 
 RtStep look_at_kernel(const fs::path& root) {
   RtStep step{.name = "kernel", .result = RtResult::ok, .detail = "PREEMPT_RT", .remedy = ""};
   if (has_preempt_rt(root)) return step;
-  const bool is_known = first_line(root / "proc/version").has_value();
+  const bool is_known = line_of(root / "proc/version").has_value();
   step.result = is_known ? RtResult::degraded : RtResult::failed;
   step.detail = is_known ? "not PREEMPT_RT: wake-ups may be late by milliseconds"
                          : "unknown, because /proc/version cannot be read";
-  step.remedy = is_known ? "apt install linux-image-rt-amd64, then boot it" : "mount -t proc proc /proc";
+  step.remedy = is_known ? "apt install linux-image-rt-amd64 && reboot" : "mount -t proc proc /proc";
   return step;
 }
 
@@ -91,8 +58,7 @@ RtStep lock_memory(const MachineAccess& access) {
     step.result = RtResult::degraded;
     step.detail = "present memory only; " + std::to_string(limit / 1024) + " KiB is the limit";
   }
-  if (step.result != RtResult::ok)
-    step.remedy = "'<user> - memlock unlimited' in /etc/security/limits.d/, and log in again";
+  if (step.result != RtResult::ok) step.remedy = raise_limit("memlock unlimited");
   return step;
 }
 
@@ -107,7 +73,7 @@ RtStep keep_heap() {
   return {.name = "keep heap",
           .result = RtResult::degraded,
           .detail = "the allocator refused",
-          .remedy = "run without a replacement of malloc (LD_PRELOAD)"};
+          .remedy = "env -u LD_PRELOAD godobject run ..."};
 }
 
 /// Touches the stack below this call, so that the loop meets no page fault there.
@@ -119,36 +85,6 @@ RtStep keep_heap() {
           .result = RtResult::ok,
           .detail = std::to_string(prefault_bytes / 1024) + " KiB",
           .remedy = ""};
-}
-
-int take_fifo(int priority) {
-  sched_param param{};
-  param.sched_priority = priority;
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
-}
-
-RtStep take_priority(const MachineAccess& access) {
-  const auto take = [&](int priority) {
-    return access.take_priority ? access.take_priority(priority) : take_fifo(priority);
-  };
-  const std::string wanted = "SCHED_FIFO " + std::to_string(rt_priority);
-  RtStep step{.name = "priority", .result = RtResult::ok, .detail = wanted, .remedy = ""};
-  const int error = take(rt_priority);
-  if (error == 0) return step;
-  const std::uint64_t limit = limit_of(access.root, "Max realtime priority");
-  const bool is_limit = limit < rt_priority && !has_capability(access.root, CAP_SYS_NICE);
-  step.remedy = is_limit
-                    ? "'<user> - rtprio 98' in /etc/security/limits.d/, and log in again"
-                    : "give the control group of this program cpu.rt_runtime_us above 0; in a container: "
-                      "--cap-add=SYS_NICE --ulimit rtprio=98";
-  if (is_limit && limit > 0 && take(static_cast<int>(limit)) == 0) {
-    step.result = RtResult::degraded;
-    step.detail = "SCHED_FIFO " + std::to_string(limit) + ", the limit of rtprio, instead of " + wanted;
-  } else {
-    step.result = RtResult::failed;
-    step.detail = wanted + ": " + error_text(error) + "; runs at normal priority";
-  }
-  return step;
 }
 
 /// Returns the longest wake-up latency of the idle states in use, us; none if there are no idle states.
@@ -163,6 +99,18 @@ std::optional<std::uint64_t> longest_wake_up_us(const fs::path& root) {
         longest = std::max(longest.value_or(0), latency);
     }
   return longest;
+}
+
+RtStep keep_threads_off(unsigned core, const fs::path& root) {
+  RtStep step{.name = "other threads", .result = RtResult::ok, .detail = "", .remedy = ""};
+  const int num_moved = keep_off(core, root);
+  step.detail = "of this program: off core " + std::to_string(core);
+  if (num_moved >= 0) return step;
+  step.result = RtResult::degraded;
+  step.detail = "of this program share core " + std::to_string(core) + ": " + error_text(-num_moved);
+  step.remedy =
+      "give the program a second core: taskset -c " + list_of(online_cores(root)) + " godobject run ...";
+  return step;
 }
 
 constexpr std::size_t stack_bytes = std::size_t{8} << 20;  // Linux' usual limit
@@ -197,13 +145,14 @@ std::string_view name_of(RtResult result) noexcept {
 
 // Kernels since 6.12 have PREEMPT_RT without the file `realtime`.
 bool has_preempt_rt(const fs::path& root) {
-  return first_line(root / "sys/kernel/realtime") == "1" ||
-         first_line(root / "proc/version").value_or("").find("PREEMPT_RT") != std::string::npos;
+  return line_of(root / "sys/kernel/realtime") == "1" ||
+         line_of(root / "proc/version").value_or("").find("PREEMPT_RT") != std::string::npos;
 }
 
-RtProcess::RtProcess(const MachineAccess& access)
+RtProcess::RtProcess(const MachineAccess& access, const RtThreadPlan& plan)
     : steps_{look_at_kernel(access.root), lock_memory(access), keep_heap()} {
   steps_.push_back(forbid_deep_sleep(access.root));
+  if (plan.core) steps_.push_back(keep_threads_off(*plan.core, access.root));
 }
 
 RtProcess::~RtProcess() {
@@ -226,14 +175,17 @@ RtStep RtProcess::forbid_deep_sleep(const fs::path& root) {
   if (wake_up && *wake_up <= short_us) return step;
   step.result = wake_up && *wake_up >= period_us ? RtResult::failed : RtResult::degraded;
   step.detail = why + (wake_up ? "; wake-ups take up to " + std::to_string(*wake_up) + " us" : "");
-  step.remedy =
-      R"(put KERNEL=="cpu_dma_latency", GROUP="godobject", MODE="0660" into /etc/udev/rules.d/99-godobject.rules, )"
-      "with the user in that group, or boot with processor.max_cstate=1";
+  step.remedy = R"(echo 'KERNEL=="cpu_dma_latency", GROUP="godobject", MODE="0660"' )"
+                "> /etc/udev/rules.d/99-godobject.rules && udevadm control --reload && "
+                "udevadm trigger --name-match=cpu_dma_latency && usermod -aG godobject $USER, or " +
+                boot_with("processor.max_cstate=1");
   return step;
 }
 
-std::vector<RtStep> set_up_rt_thread(const MachineAccess& access) {
-  return {take_priority(access), prefault_stack()};
+std::vector<RtStep> set_up_rt_thread(const MachineAccess& access, const RtThreadPlan& plan) {
+  std::vector<RtStep> steps = take_scheduling(access, plan);
+  steps.push_back(prefault_stack());
+  return steps;
 }
 
 std::string rt_table(std::span<const RtStep> steps) {

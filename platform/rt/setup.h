@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "hal/base/nanoseconds.h"
 
 namespace godobject {
 
@@ -28,16 +31,29 @@ struct RtStep {
 
 /// Access to the machine. Tests replace the folder and the system calls.
 struct MachineAccess {
-  std::filesystem::path root = "/";                  // folder of /proc, /sys and /dev
-  std::function<int(int flags)> lock_memory{};       // returns 0 or errno; empty: mlockall
-  std::function<int(int priority)> take_priority{};  // of this thread; returns 0 or errno; empty: SCHED_FIFO
+  std::filesystem::path root = "/";             // folder of /proc, /sys and /dev
+  std::function<int(int flags)> lock_memory{};  // returns 0 or errno; empty: mlockall
+  // of this thread; each returns 0 or errno
+  std::function<int(int priority)> take_priority{};                             // empty: SCHED_FIFO
+  std::function<int(Nanoseconds runtime, Nanoseconds period)> take_deadline{};  // empty: SCHED_DEADLINE
+  std::function<int(unsigned core)> take_core{};                                // empty: sched_setaffinity
 };
+
+/// Choices for the loop's thread. It may not have both, because SCHED_DEADLINE needs all cores of its group.
+struct RtThreadPlan {
+  std::optional<unsigned> core{};  // core of this thread alone; none: any core
+  // of SCHED_DEADLINE in each period; 0: SCHED_FIFO. The period is then that of the loop.
+  Nanoseconds runtime_ns = 0, period_ns = 0;
+};
+/// Names of the steps that a plan demands.
+inline constexpr const char *core_step = "core", *deadline_step = "deadline";
 
 /// Setup of the process, undone by the destructor. Not for the loop.
 class RtProcess {
  public:
   /// Checks the kernel's preemption, locks memory and keeps it, forbids deep sleep states of the processor.
-  explicit RtProcess(const MachineAccess& access = {});
+  /// Moves all threads off the core of the plan, if any, for good; the loop's thread can still go there.
+  explicit RtProcess(const MachineAccess& access = {}, const RtThreadPlan& plan = {});
   ~RtProcess();
   RtProcess(const RtProcess&) = delete;
   RtProcess& operator=(const RtProcess&) = delete;
@@ -51,8 +67,9 @@ class RtProcess {
   int latency_fd_ = -1;  // the request is in effect while it is open
 };
 
-/// Sets up the calling thread: SCHED_FIFO at rt_priority or the highest permitted one, stack touched.
-std::vector<RtStep> set_up_rt_thread(const MachineAccess& access = {});
+/// Sets up the calling thread: core and scheduling of the plan, by default SCHED_FIFO at rt_priority or the
+/// highest permitted one, stack touched.
+std::vector<RtStep> set_up_rt_thread(const MachineAccess& access = {}, const RtThreadPlan& plan = {});
 
 /// Above the interrupt threads' 50, below the kernel's own 99.
 inline constexpr int rt_priority = 80;
@@ -67,7 +84,11 @@ bool has_preempt_rt(const std::filesystem::path& root);
 // machine.
 
 /// Returns the requirements of real time: the set-up of a run, tried out, frequency scaling and throttling.
-std::vector<RtStep> real_time_checks(const MachineAccess& access = {});
+std::vector<RtStep> real_time_checks(const MachineAccess& access = {}, const RtThreadPlan& plan = {});
+/// Returns the set-up of the loop's thread, tried out in a thread that ends at once.
+std::vector<RtStep> try_rt_thread(const MachineAccess& access = {}, const RtThreadPlan& plan = {});
+/// Returns why this machine has no such core; empty if it has.
+std::string why_no_core(unsigned core, const MachineAccess& access = {});
 /// Returns the checks of isolated cores and of interrupt threads.
 /// interfaces: those whose interrupt threads must be above the loop.
 std::vector<RtStep> core_checks(std::span<const std::string> interfaces, const MachineAccess& access = {});

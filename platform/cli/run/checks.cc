@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 
 #include "platform/rt/setup.h"
@@ -88,6 +89,12 @@ void check_contacts(const RunOptions& options, const SceneConfig& scene, std::ve
 void check_nets(const RunOptions& options, const SceneConfig& scene, std::vector<std::string>& errors) {
   if (!options.files.nets.empty() && scene.nets.empty())
     errors.push_back("--nets: scene '" + scene.name + "' has no nets: remove --nets, or add a [[net]] table");
+}
+
+/// Returns the number of frames that the host sends at once: SYNC, a heartbeat, and a command to each drive.
+std::size_t frames_at_once(const RigParams& rig, std::size_t bus) {
+  constexpr std::size_t without_drives = 2;
+  return without_drives + static_cast<std::size_t>(std::ranges::count(rig.drives, bus, &DriveParams::bus));
 }
 
 }  // namespace
@@ -170,16 +177,56 @@ void check_real_buses(const RunOptions& options, PreparedRun& run) {
         "file");
 }
 
-std::string why_not_real_time(const RunOptions& options) {
-  if (!options.require_rt) return "";
-  std::vector<RtStep> unmet = real_time_checks();
-  std::erase_if(unmet, [](const RtStep& step) { return step.result == RtResult::ok; });
+void check_scheduling(const RunOptions& options, double step_s, std::vector<std::string>& errors) {
+  if (options.core)
+    if (const std::string why_not = why_no_core(*options.core); !why_not.empty())
+      errors.push_back("--core: " + why_not + ": give one of them");
+  if (1e-6 * options.deadline_us < step_s) return;
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(),
+                "--deadline: %g us are not shorter than the step of %g us: give less, or a longer step",
+                options.deadline_us, 1e6 * step_s);
+  errors.push_back(text.data());
+}
+
+std::vector<RtStep> check_buses(const SceneConfig& scene, const RigAddresses& where) {
+  const RigParams& rig = *scene.device->rig;
+  std::vector<RtStep> steps;
+  for (std::size_t i = 0; i < where.addresses.size(); ++i) {
+    const BusAddress& address = where.addresses[i];
+    const BusParams& bus = rig.buses[i];
+    if (address.backend->check == nullptr) continue;
+    std::ranges::move(
+        address.backend->check({.name = bus.name,
+                                .where = address.where,
+                                .settings = {.bit_rate = bus.bit_rate, .data_bit_rate = bus.data_bit_rate},
+                                .frames = frames_at_once(rig, i)}),
+        std::back_inserter(steps));
+  }
+  return steps;
+}
+
+std::string why_not_real_time(const RunOptions& options, const PreparedRun& run) {
+  const RtThreadPlan& plan = run.plan.thread;
+  std::vector<RtStep> unmet;
+  if (options.require_rt) {
+    unmet = real_time_checks({}, plan);
+    if (run.buses.choice == BusChoice::real && has_rig(run.session->scene()) && !run.buses.real.are_logs())
+      std::ranges::move(check_buses(run.session->scene(), run.buses.real), std::back_inserter(unmet));
+    std::erase_if(unmet, [](const RtStep& step) { return step.result == RtResult::ok; });
+  } else if (plan.core || plan.runtime_ns > 0) {
+    unmet = try_rt_thread({}, plan);
+    std::erase_if(unmet, [](const RtStep& step) {
+      return step.result != RtResult::failed || (step.name != core_step && step.name != deadline_step);
+    });
+  }
   if (unmet.empty()) return "";
   std::string names;
   for (const RtStep& step : unmet)
     names += (names.empty() ? "" : ", ") + step.name + " (" + std::string(name_of(step.result)) + ")";
-  return "--require-rt: this machine does not meet the real-time requirements: " + names +
-         "; apply the remedies below, or remove --require-rt\n" + rt_table(unmet);
+  const std::string option = options.require_rt ? "--require-rt" : plan.core ? "--core" : "--deadline";
+  return option + ": this machine does not meet the real-time requirements: " + names +
+         "; apply the remedies below, or remove " + option + "\n" + rt_table(unmet);
 }
 
 void check_speed(const SceneConfig& scene, const Motion& motion, double duration, const std::string& file,

@@ -169,6 +169,8 @@ class RealtimeRun {
         seal_(plan.seal ? std::make_unique<Seal>() : nullptr),
         drain_(cycles_, states_, frames_, files, events, signals, seal_.get(), console, plan.quiet),
         quiet_(plan.quiet),
+        thread_(plan.thread),
+        process_({}, thread_),
         watch_(events.ring()),
         cycle_(session, plan, signals.requested(), cycles_, files.wants_inputs() ? &states_ : nullptr),
         loop_(clock_, to_ns(session.scene().step)) {
@@ -225,7 +227,7 @@ class RealtimeRun {
   void run_loop(std::promise<std::vector<RtStep>>& thread_setup) {
     const ThreadSetup setup("loop");
     try {
-      std::vector<RtStep> steps = set_up_rt_thread();
+      std::vector<RtStep> steps = set_up_rt_thread({}, thread_);
       if (seal_) steps.push_back(seal_->close());
       const bool is_ready = !seal_ || steps.back().result == RtResult::ok;
       thread_setup.set_value(std::move(steps));
@@ -258,6 +260,7 @@ class RealtimeRun {
   Drain drain_;
   bool quiet_;
   RtProcess process_;
+  RtThreadPlan thread_;
   EventWatch watch_;
   RealtimeCycle cycle_;
   MonotonicClock clock_;

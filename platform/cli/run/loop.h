@@ -33,6 +33,7 @@ struct RunPlan {
   bool quiet = false;            // true: no status line
   const LogLink* log = nullptr;  // log that replaces the session's buses, and whose end ends the run; or null
   bool seal = false;             // true: refuses undocumented system calls of the loop
+  RtThreadPlan thread{};         // core and scheduling of the loop
   ViewTap* tap = nullptr;        // tap of a view, which outlives the run; or null
   ViewTap* poses_tap = nullptr;  // tap of a server of poses, likewise
 };

@@ -210,6 +210,7 @@ PreparedRun prepare(const RunOptions& options) {
   check_real_buses(options, run);
   check_recorded(options, run.buses.choice, scene, run.errors);
   apply_overrides(options, scene);
+  check_scheduling(options, scene.step, run.errors);
   if (has_rig(scene)) run.profiles = checked_profiles(scene, options.scene, run.errors);
   std::optional<Motion> motion = load_motion(options, scene, run);
   if (!motion || !run.errors.empty()) return run;
@@ -222,7 +223,10 @@ PreparedRun prepare(const RunOptions& options) {
   run.plan = {.num_cycles = static_cast<std::uint64_t>(std::max(1LL, std::llround(duration / scene.step))),
               .rearm = options.rearm,
               .quiet = options.quiet,
-              .seal = options.seal};
+              .seal = options.seal,
+              .thread = {.core = options.core,
+                         .runtime_ns = to_ns(1e-6 * options.deadline_us),
+                         .period_ns = to_ns(scene.step)}};
   check_passivity(options, scene, *motion, run);
   const bool follows_motion = !moved_by_hand && run.buses.choice != BusChoice::real;
   const std::string& speed_of = options.motion.empty() ? options.scene : options.motion;

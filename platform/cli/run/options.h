@@ -39,6 +39,8 @@ struct RunOptions {
   bool fast = false;                  // true if given explicitly
   bool seal = false;                  // true: refuses undocumented system calls of the loop
   bool require_rt = false;            // true: runs only on a machine that meets all real_time_checks()
+  std::optional<unsigned> core;       // of the loop's thread alone; none: any core
+  double deadline_us = 0;             // runtime of SCHED_DEADLINE in each step; 0: SCHED_FIFO
   std::vector<std::string> buses;     // see plan_buses()
   std::vector<std::string> trackers;  // see plan_trackers()
   Rearm rearm = Rearm::never;
@@ -117,9 +119,15 @@ void check_recorded(const RunOptions& options, BusChoice choice, const SceneConf
 /// Checks the options that depend on real buses, trackers and logs.
 void check_real_buses(const RunOptions& options, PreparedRun& run);
 
-/// Returns the requirements that this machine does not meet, with remedies, as lines. Empty if it meets all,
-/// or without --require-rt.
-std::string why_not_real_time(const RunOptions& options);
+/// Checks that the machine has the core of --core, and that --deadline is shorter than the step.
+void check_scheduling(const RunOptions& options, double step_s, std::vector<std::string>& errors);
+
+/// Returns the checks of the scene's buses at these addresses, where the bus has some.
+std::vector<RtStep> check_buses(const SceneConfig& scene, const RigAddresses& where);
+
+/// Returns the requirements that this machine does not meet, with remedies, as lines. Empty if it meets all:
+/// with --require-rt real_time_checks() and those of real buses, else the steps of --core and --deadline.
+std::string why_not_real_time(const RunOptions& options, const PreparedRun& run);
 
 /// Warns of a motion whose target is faster than a hand.
 /// duration: duration of the run, s.

@@ -189,7 +189,7 @@ ExitCode check(RunOptions options, bool full) {
     for (const BusLoad& load : prepared.bus_loads) print_bus_load(stdout, load);
     return ExitCode::usage;
   }
-  if (const std::string why_not = why_not_real_time(options); !why_not.empty()) {
+  if (const std::string why_not = why_not_real_time(options, prepared); !why_not.empty()) {
     std::fputs(why_not.c_str(), stderr);
     return ExitCode::not_available;
   }

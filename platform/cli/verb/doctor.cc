@@ -43,29 +43,6 @@ RigAddresses addresses_of(const DoctorOptions& options, const SceneConfig& scene
   return rig_addresses(given, scene, "--bus", errors);
 }
 
-/// Returns the number of frames that the host sends at once: SYNC, a heartbeat, and a command to each drive.
-std::size_t frames_at_once(const RigParams& rig, std::size_t bus) {
-  constexpr std::size_t without_drives = 2;
-  return without_drives + static_cast<std::size_t>(std::ranges::count(rig.drives, bus, &DriveParams::bus));
-}
-
-std::vector<RtStep> check_buses(const SceneConfig& scene, const RigAddresses& where) {
-  const RigParams& rig = *scene.device->rig;
-  std::vector<RtStep> steps;
-  for (std::size_t i = 0; i < where.addresses.size(); ++i) {
-    const BusAddress& address = where.addresses[i];
-    const BusParams& bus = rig.buses[i];
-    if (address.backend->check == nullptr) continue;
-    std::ranges::move(
-        address.backend->check({.name = bus.name,
-                                .where = address.where,
-                                .settings = {.bit_rate = bus.bit_rate, .data_bit_rate = bus.data_bit_rate},
-                                .frames = frames_at_once(rig, i)}),
-        std::back_inserter(steps));
-  }
-  return steps;
-}
-
 /// Returns the bytes that a run writes into its trace, 1/s. Most numbers have 15 to 17 digits.
 double trace_rate(const SceneConfig& scene) {
   constexpr double bytes_per_number = 18;

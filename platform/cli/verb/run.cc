@@ -75,13 +75,13 @@ std::optional<RunResult> run_to_end(const RunOptions& options, PreparedRun& prep
 
 ExitCode run(RunOptions options) {
   guard_process();
-  if (options.require_rt || options.seal) options.realtime = true;
+  if (options.require_rt || options.seal || options.core || options.deadline_us > 0) options.realtime = true;
   PreparedRun prepared = prepare(options);
   if (!options.quiet) print_lines(stderr, "note: ", prepared.notes);
   print_lines(stderr, "warning: ", prepared.warnings);
   print_lines(stderr, "", prepared.errors);
   if (!prepared.session) return ExitCode::usage;
-  if (const std::string why_not = why_not_real_time(options); !why_not.empty()) {
+  if (const std::string why_not = why_not_real_time(options, prepared); !why_not.empty()) {
     std::fputs(why_not.c_str(), stderr);
     return ExitCode::not_available;
   }
@@ -190,6 +190,19 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
                 "refuse a machine without any of the real-time requirements that godobject doctor lists; "
                 "implies --realtime")
       ->excludes(fast);
+  auto* core = verb.add_option("--core", options.core,
+                               "run the loop's thread on this core, and the other threads on the others; "
+                               "implies --realtime. See docs/how-to/deploy.md")
+                   ->type_name("CORE")
+                   ->check(CLI::Range(0, 1023))
+                   ->excludes(fast);
+  verb.add_option("--deadline", options.deadline_us,
+                  "schedule the loop's thread by SCHED_DEADLINE instead of SCHED_FIFO 80, with this time to "
+                  "compute in each step, us; it needs all cores; implies --realtime")
+      ->type_name("RUNTIME_US")
+      ->check(number_in(10, 1e5))
+      ->excludes(fast)
+      ->excludes(core);
   verb.add_flag(
           "--seal", options.seal,
           "refuse every system call of the loop but those of docs/threads.md: a call cuts the torque and "

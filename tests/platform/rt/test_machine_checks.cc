@@ -181,8 +181,41 @@ TEST_F(MachineChecks, ThrottlingBelowTheKernelsDefaultIsDegraded) {
   expect(real_time("throttling"), failed, "mount -t proc");
 }
 
+TEST_F(MachineChecks, TheCoreOfTheLoopIsIsolated) {
+  int refused = 0;
+  access_.take_core = [&](unsigned) { return refused; };
+  const auto core = [&](unsigned n) { return find(set_up_rt_thread(access_, {.core = n}), "core"); };
+  expect(core(3), ok);
+  expect(core(2), degraded, "isolcpus=2 nohz_full=2 rcu_nocbs=2 irqaffinity=0,1,3");
+  refused = EINVAL;
+  expect(core(3), failed, "AllowedCPUs=0,1,2,3");
+  EXPECT_THAT(why_no_core(4, access_), HasSubstr("no core 4: it has 0,1,2,3"));
+  EXPECT_EQ(why_no_core(3, access_), "");
+}
+
+TEST_F(MachineChecks, EachRefusalOfADeadlineHasItsRemedy) {
+  int refused = 0;
+  access_.take_deadline = [&](Nanoseconds, Nanoseconds) { return refused; };
+  const auto deadline = [&] {
+    return find(set_up_rt_thread(access_, {.runtime_ns = 300'000, .period_ns = 1'000'000}), "deadline");
+  };
+  expect(deadline(), ok);
+  EXPECT_THAT(deadline().detail, HasSubstr("SCHED_DEADLINE 300 us of each 1000 us"));
+  for (const auto& [error, remedy] : {std::pair{EPERM, "setcap cap_sys_nice+ep"},
+                                      {EBUSY, "sysctl -w kernel.sched_rt_runtime_us=950000"},
+                                      {EINVAL, "kernel.sched_deadline_period_min_us=100"},
+                                      {ENOSYS, "without --deadline"}}) {
+    refused = error;
+    expect(deadline(), failed, remedy);
+  }
+  put("proc/self/status", "CapEff:\t0000000000800000");  // bit 23, CAP_SYS_NICE: its cores are the reason
+  refused = EPERM;
+  expect(deadline(), failed, "taskset -c 0,1,2,3");
+}
+
 TEST_F(MachineChecks, IsolatedCoresAreListed) {
   EXPECT_THAT(cores("isolated cores").detail, testing::StartsWith("3;"));
+  EXPECT_THAT(cores("isolated cores").detail, HasSubstr("--core 3"));
   put(cpus + "isolated", "");
   expect(cores("isolated cores"), degraded, "isolcpus=3 nohz_full=3 rcu_nocbs=3 irqaffinity=0,1,2");
   put(cpus + "online", "0");
@@ -209,7 +242,7 @@ TEST_F(MachineChecks, InterruptsKeepAwayFromTheIsolatedCores) {
 
 TEST_F(MachineChecks, InterruptsAreThreadsWithPreemptRtOrByTheCommandLine) {
   put("proc/version", "Linux version 6.1.0 SMP PREEMPT_DYNAMIC");
-  expect(cores("interrupts"), degraded, "boot with threadirqs");
+  expect(cores("interrupts"), degraded, "&threadirqs /' /etc/default/grub && update-grub");
   put("proc/cmdline", "quiet threadirqs");
   expect(cores("interrupts"), ok);
   remove("proc/irq");
