@@ -2,6 +2,7 @@
 // and none runs on an isolated core.
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <sstream>
 #include <system_error>
 #include <vector>
@@ -70,6 +71,39 @@ std::vector<Interrupt> interrupts_of(const fs::path& root) {
 
 std::string name_of(const Interrupt& irq) { return std::to_string(irq.number) + "-" + irq.devices.front(); }
 
+/// Interrupts of a network interface or serial line.
+struct Owned {
+  std::string name;            // of the device, as some handlers have it
+  std::set<unsigned> numbers;  // of the nearest device above that has interrupts
+};
+
+/// Finds the interrupts of an interface by its device. Those of a USB adapter are its controller's, whose
+/// handler has another name.
+/// interface: name of a network interface, or path of a serial line.
+Owned owned_by(const std::string& interface, const fs::path& root) {
+  std::error_code error;
+  fs::path of_class = root / "sys/class/net" / interface;
+  if (interface.starts_with('/'))
+    of_class = root / "sys/class/tty" / fs::weakly_canonical(root / interface.substr(1), error).filename();
+  fs::path device = fs::canonical(of_class / "device", error);
+  Owned owned{.name = interface, .numbers = {}};
+  if (error) return owned;
+  owned.name = device.filename();
+  for (; device.has_relative_path() && device.filename() != "devices"; device = device.parent_path()) {
+    for (const fs::directory_entry& message : fs::directory_iterator(device / "msi_irqs", error))
+      owned.numbers.insert(static_cast<unsigned>(std::stoul(message.path().filename())));
+    unsigned line = 0;
+    if (std::ifstream(device / "irq") >> line && line > 0) owned.numbers.insert(line);
+    if (!owned.numbers.empty()) break;
+  }
+  return owned;
+}
+
+bool belongs_to(const Interrupt& irq, const std::string& interface, const Owned& owned) {
+  return std::ranges::count(irq.devices, interface) > 0 || std::ranges::count(irq.devices, owned.name) > 0 ||
+         owned.numbers.contains(irq.number);
+}
+
 /// Lists the first threads with their priorities and cores.
 std::string threads_text(const std::vector<Interrupt>& interrupts) {
   constexpr std::size_t max_listed = 6;
@@ -92,12 +126,14 @@ RtStep check_interrupts(const fs::path& root, std::span<const std::string> inter
   if (!fs::is_directory(root / "proc/irq", error)) return unreadable(step.name, "/proc/irq");
   const std::vector<Interrupt> interrupts = interrupts_of(root);
   const Cores isolated = isolated_cores(root);
+  std::vector<Owned> owned;
+  for (const std::string& interface : interfaces) owned.push_back(owned_by(interface, root));
   const auto is_above_loop = [](const Interrupt& irq) { return irq.priority > rt_priority; };
   for (const Interrupt& irq : interrupts) {
-    const bool is_of_bus = std::ranges::any_of(
-        interfaces, [&](const std::string& name) { return std::ranges::count(irq.devices, name) > 0; });
-    if (!is_of_bus || irq.thread == 0 || is_above_loop(irq)) continue;
-    step.detail = "irq/" + name_of(irq) + " has priority " +
+    std::size_t bus = 0;
+    while (bus < owned.size() && !belongs_to(irq, interfaces[bus], owned[bus])) ++bus;
+    if (bus == owned.size() || irq.thread == 0 || is_above_loop(irq)) continue;
+    step.detail = "irq/" + name_of(irq) + " of " + interfaces[bus] + " has priority " +
                   std::to_string(irq.priority) + ", below the loop's " + std::to_string(rt_priority) +
                   ": frames wait for the loop";
     step.remedy = "chrt -f -p " + std::to_string(rt_priority + 5) + " " + std::to_string(irq.thread);

@@ -233,6 +233,48 @@ TEST_F(MachineChecks, InterruptThreadsOfTheBusAreAboveTheLoop) {
   expect(cores("interrupts"), degraded, "chrt -f -p 85 431");
 }
 
+TEST_F(MachineChecks, InterruptsOfAUsbAdapterAreThoseOfItsController) {
+  remove("proc/irq/31");
+  const std::string controller = "sys/devices/pci0000:00/0000:00:14.0/";
+  put(controller + "usb1/1-2/1-2:1.0/net/can0/mtu", "16");
+  put(controller + "msi_irqs/131", "msi");
+  put(controller + "irq", "16");
+  std::filesystem::create_directories(path("sys/class/net/can0"));
+  std::filesystem::create_directory_symlink("../../../devices/pci0000:00/0000:00:14.0/usb1/1-2/1-2:1.0",
+                                            path("sys/class/net/can0/device"));
+  interrupt(130, "nvme0q1", "0", 50);
+  interrupt(131, "xhci_hcd", "0-2", 50);
+  expect(cores("interrupts"), degraded, "chrt -f -p 85 4131");
+  EXPECT_THAT(cores("interrupts").detail, HasSubstr("irq/131-xhci_hcd of can0 has priority 50"));
+  interrupt(131, "xhci_hcd", "0-2", 85);
+  expect(cores("interrupts"), ok);
+  remove(controller + "msi_irqs");
+  interrupt(16, "xhci_hcd", "0-2", 50);
+  expect(cores("interrupts"), degraded, "chrt -f -p 85 416");
+}
+
+TEST_F(MachineChecks, InterruptsOfASerialAdapterAreFoundByItsLine) {
+  put("dev/ttyACM0", "");
+  put("sys/devices/pci0/usb1/1-1:1.0/tty/ttyACM0/dev", "166:0");
+  put("sys/devices/pci0/irq", "40");
+  std::filesystem::create_directories(path("sys/class/tty/ttyACM0"));
+  std::filesystem::create_directory_symlink("../../../devices/pci0/usb1/1-1:1.0",
+                                            path("sys/class/tty/ttyACM0/device"));
+  interrupt(40, "ehci_hcd", "0-2", 50);
+  const RtStep step = find(core_checks(std::vector<std::string>{"/dev/ttyACM0"}, access_), "interrupts");
+  expect(step, degraded, "chrt -f -p 85 440");
+}
+
+TEST_F(MachineChecks, InterruptsOfAnSpiControllerHaveItsName) {
+  put("sys/devices/soc/spi0/spi0.0/net/can0/mtu", "16");
+  std::filesystem::create_directories(path("sys/class/net/can0"));
+  std::filesystem::create_directory_symlink("../../../devices/soc/spi0/spi0.0",
+                                            path("sys/class/net/can0/device"));
+  remove("proc/irq/31");
+  interrupt(50, "spi0.0", "0-2", 50);
+  expect(cores("interrupts"), degraded, "chrt -f -p 85 450");
+}
+
 TEST_F(MachineChecks, InterruptsKeepAwayFromTheIsolatedCores) {
   interrupt(30, "eth0", "2-3", 50);
   expect(cores("interrupts"), degraded, "echo 0,1,2 > /proc/irq/30/smp_affinity_list");
