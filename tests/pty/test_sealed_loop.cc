@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <linux/futex.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/un.h>
@@ -72,7 +73,7 @@ TEST_P(SealedCycles, CallNothingAndFaultNoPage) {
   Ring<CycleEntry> cycles(4096, entry_of(*made.session));
   const std::atomic<bool> stop{false};
   const auto cycle = std::make_unique<RealtimeCycle>(
-      *made.session, RunPlan{.num_cycles = GetParam().num_cycles}, stop, cycles);
+      *made.session, RunPlan{.num_cycles = GetParam().num_cycles, .seal = true}, stop, cycles);
   Seal seal;
   std::atomic<bool> ended{false};
   std::string called;
@@ -103,6 +104,7 @@ TEST_P(SealedCycles, CallNothingAndFaultNoPage) {
   if (is_locked) {
     EXPECT_EQ(cycle->page_faults()->minor, 0);
     EXPECT_EQ(cycle->page_faults()->major, 0);
+    EXPECT_EQ(cycle->first_page_fault().value_or(0), 0u);
   }
 }
 
@@ -169,6 +171,29 @@ INSTANTIATE_TEST_SUITE_P(
                                 syscall(SYS_futex, &taken, FUTEX_WAIT_PRIVATE, 1, nullptr, nullptr, 0));
                           }}),
     [](const auto& plant) { return plant.param.name; });
+
+TEST(SealedRun, NamesTheFirstCycleWithAPageFault) {
+  if (const std::string reason = why_not_sealed(); !reason.empty()) GTEST_SKIP() << reason;
+  Session::Made made = session_of("rigid.toml", BusChoice::sim);
+  ASSERT_NE(made.session, nullptr) << made.errors.front();
+  static volatile char* page = nullptr;
+  page = static_cast<volatile char*>(
+      mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+  Planted planted([] {
+    constexpr int dont_need_locked = 24;  // MADV_DONTNEED_LOCKED, Linux 5.18
+    if (madvise(const_cast<char*>(page), 4096, dont_need_locked) == 0) *page = 1;
+  });
+  made.session->add(planted);
+  RunFiles files({}, made.session->scene(), 0);
+  const std::optional<RunResult> result =
+      run_realtime(*made.session, {.num_cycles = 400, .quiet = true, .seal = true}, files, nullptr);
+  ASSERT_TRUE(result.has_value());
+  ASSERT_TRUE(result->first_page_fault.has_value()) << "MADV_DONTNEED_LOCKED needs Linux 5.18";
+  const auto lock = std::ranges::find(result->setup, "lock memory", &RtStep::name);
+  if (lock->result == RtResult::ok) {
+    EXPECT_EQ(*result->first_page_fault, 200u);
+  }
+}
 
 // ---- real time -------------------------------------------------------------------------------------
 

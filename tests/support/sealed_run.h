@@ -73,6 +73,7 @@ inline void expect_sealed(const std::string& report_path, int seconds, double st
     if (done["step"] == "lock memory" && done["result"] == "ok") {
       EXPECT_EQ(report["page_faults"]["minor"], 0);
       EXPECT_EQ(report["page_faults"]["major"], 0);
+      EXPECT_TRUE(report["page_faults"]["first_cycle"].is_null()) << report["page_faults"];
     }
 }
 

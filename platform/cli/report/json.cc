@@ -292,7 +292,11 @@ nlohmann::ordered_json to_json(const RunReport& report) {
                  : Json(nullptr)},
             {"timing", timing(report.result.timing, statistics)}};
   if (const std::optional<PageFaults>& faults = report.result.page_faults)
-    json["page_faults"] = {{"minor", faults->minor}, {"major", faults->major}};
+    json["page_faults"] = {
+        {"minor", faults->minor},
+        {"major", faults->major},
+        {"first_cycle",
+         report.result.first_page_fault ? Json(*report.result.first_page_fault) : Json(nullptr)}};
   if (options.seal)
     json["seal"] = {{"broken_by", text_or_null(report.result.seal_broken)},
                     {"refused_calls", report.result.refused_calls}};

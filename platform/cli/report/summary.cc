@@ -172,6 +172,8 @@ void print_summary(std::FILE* out, const RunReport& report) {
   if (result.page_faults)
     std::fprintf(out, "  %-26s %ld, and %ld from a disk\n", "page faults of the loop",
                  result.page_faults->minor, result.page_faults->major);
+  if (result.first_page_fault)
+    std::fprintf(out, "  %-26s in cycle %" PRIu64 "\n", "first page fault", *result.first_page_fault);
   if (report.options.seal)
     std::fprintf(out, "  %-26s %" PRIu64 " system calls refused\n", "seal", result.refused_calls);
   if (result.statistics.holds > 0)

@@ -218,6 +218,7 @@ class RealtimeRun {
     result.lost_cycles = cycles_.lost();
     result.lost_frames = frames_.lost();
     result.page_faults = cycle_.page_faults();
+    result.first_page_fault = cycle_.first_page_fault();
     if (!seal_) return;
     result.seal_broken = seal_->text();
     result.refused_calls = seal_->num_refused();
@@ -259,8 +260,8 @@ class RealtimeRun {
   std::unique_ptr<Seal> seal_;  // null without --seal
   Drain drain_;
   bool quiet_;
-  RtProcess process_;
   RtThreadPlan thread_;
+  RtProcess process_;
   EventWatch watch_;
   RealtimeCycle cycle_;
   MonotonicClock clock_;
@@ -310,11 +311,11 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
       }
       const Nanoseconds start = clock.now();
       const bool stepped = cycle.run(record);
+      const Nanoseconds end = clock.now();
+      if (stepped) cycle.end_stages();
       events.drain();
       if (!stepped) continue;
       result.timing.cycle_ns.add(end - start);
-      const Nanoseconds end = clock.now();
-      if (stepped) cycle.end_stages();
       progress.update(record.t, end);
       files.add(record);
       if (!files.wants_inputs() || record.cycle % state_every != 0) continue;

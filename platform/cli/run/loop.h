@@ -74,9 +74,9 @@ class RunCycle {
     if (--left_ == 0 || (t_fault_ns_ && rearm_ == Rearm::automatic)) session_.stop();
     return true;
   }
-  /// Returns true if the next period may run. Otherwise a page holds the run back, and the view receives
   /// Adds the times of a step's stages, to be called at the end of its period.
   void end_stages() noexcept { statistics_.add(session_.end_stages()); }
+  /// Returns true if the next period may run. Otherwise a page holds the run back, and the view receives
   /// `record` again.
   bool may_run(const CycleRecord& record) noexcept GODOBJECT_NONBLOCKING {
     if (!tap_ || session_.phase() != RunPhase::running || stop_.load(std::memory_order_relaxed) ||
@@ -154,6 +154,7 @@ class RealtimeCycle {
       : session_(session),
         state_every_(cycles_between_states(session.scene().step)),
         cycle_(session, plan, stop),
+        counts_each_(plan.seal),
         out_(out),
         states_(states),
         entry_(entry_of(session)) {
@@ -168,11 +169,12 @@ class RealtimeCycle {
     if (cycle_.run(entry_.record)) {
       static_cast<void>(out_.try_push(entry_));  // the ring counts losses
       if (++steps_ == warm_up_steps) faults_before_ = loop::page_faults();
+      if (counts_each_ && steps_ > warm_up_steps && !first_fault_) look_for_page_faults();
       if (states_ && entry_.record.cycle % state_every_ == 0) push_state();
+      cycle_.end_stages();
     }
     return !cycle_.ended();
   }
-      cycle_.end_stages();
   /// Called by the loop's thread at its end.
   void thread_ends() noexcept {
     if (steps_ >= warm_up_steps) page_faults_ += loop::page_faults() - faults_before_;
@@ -185,11 +187,18 @@ class RealtimeCycle {
   std::optional<PageFaults> page_faults() const noexcept {
     return was_warm_ ? std::optional(page_faults_) : std::nullopt;
   }
+  /// Returns the first cycle after those with a page fault; none without one, or if the loop is not sealed.
+  std::optional<std::uint64_t> first_page_fault() const noexcept { return first_fault_; }
 
   const RunStatistics& statistics() const noexcept { return cycle_.statistics(); }
   RunCycle& cycle() noexcept { return cycle_; }
 
  private:
+  /// Reads the page faults after a step, by a system call: in a sealed loop only.
+  void look_for_page_faults() noexcept GODOBJECT_NONBLOCKING {
+    const PageFaults faults = loop::page_faults() - faults_before_;
+    if (faults.minor + faults.major > 0) first_fault_ = entry_.record.cycle;
+  }
   void push_state() noexcept GODOBJECT_NONBLOCKING {
     state_.cycle = entry_.record.cycle;
     take_state(session_, state_);
@@ -199,12 +208,14 @@ class RealtimeCycle {
   Session& session_;
   std::uint64_t state_every_;  // cycles
   RunCycle cycle_;
+  bool counts_each_;  // true: looks for page faults after each step
   Ring<CycleEntry>& out_;
   Ring<EngineState>* states_;
   CycleEntry entry_;
   std::uint64_t steps_ = 0;  // of this thread
   bool was_warm_ = false;
   PageFaults faults_before_, page_faults_;
+  std::optional<std::uint64_t> first_fault_;  // cycle
   EngineState state_;
 };
 
@@ -253,10 +264,11 @@ struct RunResult {
   std::string_view stopped_by;          // "SIGINT", ...; empty: all cycles were run
   bool is_reset = false;                // true if a page ended the run to start it again
   RunStatistics statistics;
-  CyclicStatistics timing;                // wake-up, late, skipped: --realtime only
-  std::vector<RtStep> setup;              // --realtime only
-  std::optional<PageFaults> page_faults;  // of the loop after its first steps: --realtime only
-  std::string seal_broken;                // refused system call; empty: none, or not sealed
+  CyclicStatistics timing;                        // wake-up, late, skipped: --realtime only
+  std::vector<RtStep> setup;                      // --realtime only
+  std::optional<PageFaults> page_faults;          // of the loop after its first steps: --realtime only
+  std::optional<std::uint64_t> first_page_fault;  // first cycle with one of these: --seal only
+  std::string seal_broken;                        // refused system call; empty: none, or not sealed
   std::uint64_t refused_calls = 0;
   std::vector<Recovery> recoveries;
   std::vector<RunEvent> events;  // in the order in which they were printed
