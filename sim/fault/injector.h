@@ -46,6 +46,10 @@ class FaultInjector {
   void move(std::size_t node, double q) noexcept { nodes_[node].q = q; }
   /// Returns the coordinate shown by a node's sensor, after move() of all nodes.
   double shown(std::size_t node) const noexcept;
+  /// True while the emergency stop of a node is pressed.
+  bool is_stop_pressed(std::size_t bus, std::uint8_t node_id) const noexcept {
+    return level(FaultVerb::press, bus, node_id).has_value();
+  }
   std::span<const ActiveFault> active() const noexcept { return active_; }
   std::uint64_t begun() const noexcept { return begun_; }
   /// Returns the port of an added node; null if it does not exist.

@@ -60,6 +60,7 @@ constexpr std::array promises{
     FaultPromise{"flood value=2e4",
                  {{lost_sample, lost_drive, lost_heartbeat, {send_refused, lost, false}}},
                  watchdog},
+    FaultPromise{"press STOP", {{{quick_stop, at_once}}}, cut},
 };
 
 constexpr int cycles_more(FaultDelay delay) noexcept { return delay == votes ? 5 : 2; }
@@ -79,7 +80,7 @@ std::string text_of(FaultDelay delay) {
 }
 
 std::string_view text_of(MotorsEnd motors) {
-  constexpr std::array<std::string_view, 3> texts{"torque stays", "run down", "watchdog"};
+  constexpr std::array<std::string_view, 4> texts{"torque stays", "run down", "watchdog", "off at once"};
   return texts[static_cast<std::size_t>(motors)];
 }
 

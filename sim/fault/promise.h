@@ -34,11 +34,12 @@ enum class MotorsEnd : std::uint8_t {
   keep,      // torque continues as commanded
   run_down,  // every drive still receives commands; the rig ramps the torque down
   watchdog,  // a drive receives nothing and stops by itself
+  cut,       // each drive removes its torque by its own fastest means
 };
 
 struct FaultPromise {
-  /// Words of the control command. ENCODER and DRIVE stand for bus and node of one device, OTHER for the node
-  /// id of another encoder on its bus. N*stale_after and N*lost_after stand for that time, s.
+  /// Words of the control command. ENCODER, DRIVE, STOP stand for bus and node of one device, OTHER for the
+  /// node id of another encoder on its bus. N*stale_after and N*lost_after stand for that time, s.
   std::string_view words;
   std::array<PromisedFault, 5> faults{};
   MotorsEnd motors = MotorsEnd::keep;

@@ -73,6 +73,17 @@ std::string check_swap(const RigParams& rig, const SimFault& fault) {
   return are_two ? "" : "node and value must be two encoders on one bus";
 }
 
+/// Checks a node whose emergency stop is pressed. Returns the error; empty if none.
+std::string check_press(const RigParams& rig, const SimFault& fault) {
+  const auto is_stop = [&](const ButtonParams& button) {
+    return button.use == ButtonUse::stop && button.bus == fault.first_bus && button.node_id == fault.node_id;
+  };
+  return std::ranges::any_of(rig.buttons, is_stop)
+             ? ""
+             : "node " + std::to_string(fault.node_id) +
+                   " has no emergency stop: give that of a [[device.button]] with use = \"stop\"";
+}
+
 bool to_number(std::string_view text, double& out) {
   const std::string copy(text);
   char* end = nullptr;
@@ -125,6 +136,7 @@ FaultResult resolve(const FaultConfig& config, const RigParams& rig) {
   if (error.empty() && config.node_id && text.place == FaultPlace::bus)
     error = in_quotes(text.name) + " is a fault of a bus: remove node";
   if (error.empty() && *verb == FaultVerb::swap_ids) error = check_swap(rig, fault);
+  if (error.empty() && *verb == FaultVerb::press) error = check_press(rig, fault);
   if (!error.empty()) return {{}, error};
   return {fault, ""};
 }

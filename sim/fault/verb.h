@@ -29,10 +29,11 @@ enum class FaultVerb : std::uint8_t {
   swap_ids,
   second_host,
   flood,
+  press,
   missing,
   disabled,
 };
-inline constexpr std::size_t num_fault_verbs = 20;
+inline constexpr std::size_t num_fault_verbs = 21;
 
 /// Target of a verb. A bus means the host's port on it.
 enum class FaultPlace : std::uint8_t {

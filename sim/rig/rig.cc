@@ -171,7 +171,7 @@ void SimRig::press_buttons(double motion_time) noexcept {
       if (b.bus != at.bus || b.node_id != at.node->node_id()) continue;
       const bool pressed = b.use == ButtonUse::hold     ? hand_->presses_hold(motion_time)
                            : b.use == ButtonUse::clutch ? hand_->presses_clutch(ik_target_, motion_time)
-                                                        : false;  // the emergency stop is never pressed
+                                                        : faults_.is_stop_pressed(b.bus, b.node_id);
       inputs |= (pressed != b.active_low ? 1u : 0u) << b.bit;
     }
     at.node->set_inputs(static_cast<std::uint8_t>(inputs));

@@ -16,7 +16,7 @@ class Promise:
     played: str  # words in the table
     always: dict  # name of the fault: its time, as text
     maybe: frozenset
-    motors: str  # "torque stays", "run down", "watchdog"
+    motors: str  # "torque stays", "run down", "watchdog", "off at once"
 
 
 def promises():
@@ -66,9 +66,9 @@ class Times:
 
 
 def words_for(promise, times):
-    """Returns the fault in the words for rig.toml: encoders are nodes 1 and 2, the first drive is 11."""
+    """Returns the fault in the words for rig.toml: encoders are nodes 1 and 2, the first drive is 11, the stop 21."""
     words = (promise.played.replace("ENCODER", "bus=can0 node=1").replace("DRIVE", "bus=can0 node=11")
-             .replace("OTHER", "2"))
+             .replace("STOP", "bus=can0 node=21").replace("OTHER", "2"))
     for key in ("stale_after", "lost_after"):
         words = re.sub(rf"([\d.]+)\*{key}", lambda m: f"{float(m[1]) * times.keys[key]:g}", words)
     return words

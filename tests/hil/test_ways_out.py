@@ -23,7 +23,7 @@ RATE_NM_PER_S = 0.005  # far below that of rig.toml: ramps of 0.2 s or more are 
 DEADLINE_S = 0.1  # watchdog of the drives in patient-402.toml
 SLACK_S = {"pty": 0.08, "vcan": 0.5}  # delays of the programs in between, which share a processor in a guest
 END_S = 6  # includes up to 4.5 s of waiting for a stopped terminal
-NODES = (1, 2, 11, 12)
+NODES = (1, 2, 11, 12, 21)
 DRIVES = (11, 12)
 
 # No core files, because tests kill programs by SIGSEGV.
@@ -106,7 +106,7 @@ class Run:
         of_host = [f for f in self.bus.since(mark)
                    if f.kind in (hil.SYNC, hil.NMT, hil.RPDO1) or f.kind == hil.HEARTBEAT and f.node not in NODES]
         last = [(f.kind, f.node, f.controlword if f.kind == hil.RPDO1 else f.nmt_command,
-                 f.target_per_mille if f.kind == hil.RPDO1 else 0) for f in of_host[-6:]]
+                 f.target_per_mille if f.kind == hil.RPDO1 else 0) for f in of_host[-len(DRIVES + NODES):]]
         assert last == [(hil.RPDO1, node, 0, 0) for node in DRIVES] + \
             [(hil.NMT, node, "pre-operational", 0) for node in NODES]
 

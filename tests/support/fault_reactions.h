@@ -21,11 +21,13 @@ inline void replace(std::string& text, const std::string& word, const std::strin
   if (const std::size_t at = text.find(word); at != std::string::npos) text.replace(at, word.size(), by);
 }
 
-/// Returns the words of a promise for a rig with encoders 1 and 2 on can0 and drives 1 and 2 on can1.
+/// Returns the words of a promise for a rig with encoders 1 and 2 and the emergency stop 3 on can0,
+/// and drives 1 and 2 on can1.
 inline std::string words_for(const FaultPromise& promise, const RigParams& rig) {
   std::string words(promise.words);
   replace(words, "ENCODER", "bus=can0 node=1");
   replace(words, "DRIVE", "bus=can1 node=1");
+  replace(words, "STOP", "bus=can0 node=3");
   replace(words, "OTHER", "2");
   for (const auto& [name, time_s] :
        {std::pair{"*stale_after", rig.stale_after_s}, std::pair{"*lost_after", rig.lost_after_s}}) {

@@ -1,5 +1,6 @@
 // A small haptic device on simulated buses, with its host and a hand that moves it, for fault injection. Its
 // joints are turret and elbow, each with an encoder on can0 (nodes 1, 2) and a drive on can1 (nodes 1, 2).
+// Its emergency stop is node 3 on can0.
 #pragma once
 
 #include <algorithm>
@@ -84,6 +85,10 @@ torque_max_Nm = 0.1
 torque_rate_Nm_per_s = 20.0
 joint_per_motor_rad = 0.1
 counts_per_turn = 40960
+[[device.button]]
+use = "stop"
+bus = "can0"
+node_id = 3
 [[motion.joint]]
 coordinate = "turret"
 amplitude = 0.3

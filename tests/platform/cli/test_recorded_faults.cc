@@ -13,8 +13,10 @@ namespace {
 
 constexpr double begin_s = 1, pause_s = 1, fault_s = 0.3;
 
-/// Returns true if a simulated rig comes back. A collision of ids needs `restart`.
-bool is_left(const FaultReaction& reaction) { return !reaction.words.starts_with("id-collision"); }
+/// Returns true if --rearm auto arms a simulated rig again. A collision of ids needs `restart`.
+bool is_left(const FaultReaction& reaction) {
+  return !reaction.words.starts_with("id-collision") && !any(reaction.expected & never_rearmed);
+}
 
 /// Returns the table of a fault in words, e.g. "drop bus=can0 node=1".
 std::string table_of(const std::string& words, double at_s) {

@@ -124,7 +124,7 @@ TEST_F(SimulateTest, FrameWaitsForAFullBusButNotForEver) {
   run_until(5 * ms);
   buses_[0]->answer = SendResult::queued;
   run_until(6 * ms);
-  EXPECT_THAT(buses_[0]->sent, SizeIs(2)) << "the boot-up messages of both nodes";
+  EXPECT_THAT(buses_[0]->sent, SizeIs(3)) << "the boot-up messages of all nodes";
   buses_[0]->answer = SendResult::full;
   run_until(400 * ms);
   EXPECT_GT(simulation_->to_json()["buses"][0]["dropped"], 0);

@@ -172,8 +172,9 @@ TEST(LastFrames, AreThoseOfStoppingARig) {
   const std::vector<LastWords> words = last_words(*loaded.scene->device->rig, 1e-3, link);
   ASSERT_EQ(words.size(), 1u);
   EXPECT_EQ(words[0].descriptor, link.bus(0).descriptor());
-  EXPECT_THAT(words[0].writes, testing::ElementsAre("\rt20B400000000\r", "\rt20C400000000\r", "\rt00028001\r",
-                                                    "\rt00028002\r", "\rt0002800B\r", "\rt0002800C\r"));
+  EXPECT_THAT(words[0].writes,
+              testing::ElementsAre("\rt20B400000000\r", "\rt20C400000000\r", "\rt00028001\r", "\rt00028002\r",
+                                   "\rt0002800B\r", "\rt0002800C\r", "\rt00028015\r"));
   const auto can = make_bus(*parse_bus_address("socketcan:can0", error), {});
   const std::string bytes = can->as_written({.id = 0x20B, .size = 4});
   EXPECT_EQ(bytes.size(), 16u);

@@ -101,7 +101,8 @@ class FaultPromiseKept : public testing::TestWithParam<FaultPromise> {
     const DriveParams& drive = params().drives[0];
     const Nanoseconds cycle_ns = test::FaultyRig::period_ns;
     const Nanoseconds ramp_ns = to_ns(drive.torque_max_Nm / drive.torque_rate_Nm_per_s);
-    Nanoseconds zero_ns = log().records().front().t_ns + ramp_ns + 3 * cycle_ns;
+    const bool cut = GetParam().motors == MotorsEnd::cut;
+    Nanoseconds zero_ns = log().records().front().t_ns + (cut ? 2 * cycle_ns : ramp_ns + 3 * cycle_ns);
     if (GetParam().motors == MotorsEnd::watchdog)
       zero_ns = std::max(zero_ns, begin_ns + watchdog_ns + 2 * cycle_ns);
     EXPECT_LE(after(last_torque_ns), after(zero_ns));

@@ -185,8 +185,8 @@ class Rig:
         """Injects a fault and returns its moment on the rig's clock.
 
         verb: one of drop, duplicate, delay, corrupt, stuck, spike, wrap, nan, reboot-node, emcy, bus-off, restart, unplug,
-        id-collision, clock-drift, swap-ids, second-host, flood, missing, disabled (docs/faults.md); or a whole line, such as
-        "drop bus=can0 node=4 value=0.1". value: in the verb's unit. duration: s; None: to the end, or once.
+        id-collision, clock-drift, swap-ids, second-host, flood, press, missing, disabled (docs/faults.md); or a whole line,
+        such as "drop bus=can0 node=4 value=0.1". value: in the verb's unit. duration: s; None: to the end, or once.
         joint: its encoder, else its drive, in place of bus and node. Raises Refused with the simulator's reason.
         """
         words = [verb]
