@@ -52,7 +52,7 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "end the other program or disconnect the other master; check that no node sends SYNC (1005h), starts "
      "others (1F80h) or has the host's node id"},
     {RigFault::deadlines_missed, "deadlines_missed",
-     "the host missed 20 consecutive deadlines and gave no command in that time",
+     "the host missed 20 consecutive deadlines, or so many for 2 s that the pose was held",
      "end other programs on this machine and check the real-time set-up; then clear the faults and arm "
      "again"},
     {RigFault::force_oscillates, "force_oscillates",

@@ -85,7 +85,8 @@ inline constexpr std::array<FaultText, 11> run_fault_texts{{
      "disturbed",
      "use a faster disk or a memory file system, or omit --record"},
     {"deadlines_missed",
-     "without a rig: 20 deadlines in a row were missed; from then on no force was displayed",
+     "without a rig: 20 deadlines in a row were missed, or so many for 2 s that the pose was held; from then "
+     "on no force was displayed",
      "end other programs on this machine, and check the real-time set-up; see docs/running.md"},
     {"force_oscillates", "without a rig: the displayed force swung between its bounds for 0.5 s",
      "lower the feedback's damping and stiffness, or raise the limit that it reaches"},

@@ -157,6 +157,8 @@ class DeadlineWatch {
   static constexpr double window_s = 0.1;
   static constexpr std::uint64_t too_many =
       20;  // misses in a row that are a fault; equals the timeout of a drive's watchdog at 1 kHz
+  static constexpr std::uint64_t longest_hold =
+      20;  // hold that is a fault, in windows: a force that was away for 2 s does not return unasked
 
   explicit DeadlineWatch(double step_s)
       : window_(static_cast<std::uint64_t>(std::max(std::llround(window_s / step_s), 1LL))) {}
@@ -169,6 +171,7 @@ class DeadlineWatch {
     for (std::uint64_t left = std::min<std::uint64_t>(skipped, too_many); left > 0; --left)
       miss(period_ + skipped + 1 - left);
     period_ += skipped + 1;
+    if (!holds()) last_kept_ = period_;
   }
   void reset() noexcept { *this = DeadlineWatch(window_); }
 
@@ -177,7 +180,10 @@ class DeadlineWatch {
     const std::uint64_t oldest = last_[next_];
     return oldest > 0 && period_ - oldest < window_;
   }
-  bool lost() const noexcept { return in_a_row_ >= too_many; }
+  /// True after 20 misses in a row, or at the end of a hold of 2 s.
+  bool lost() const noexcept {
+    return in_a_row_ >= too_many || period_ - last_kept_ >= longest_hold * window_;
+  }
 
  private:
   explicit DeadlineWatch(std::uint64_t window) noexcept : window_(window) {}
@@ -193,6 +199,7 @@ class DeadlineWatch {
   std::array<std::uint64_t, many> last_{};  // periods of the last misses; 0 if none
   std::size_t next_ = 0;
   std::uint64_t in_a_row_ = 0;
+  std::uint64_t last_kept_ = 1;  // last period without a hold
 };
 
 }  // namespace godobject

@@ -97,6 +97,21 @@ TEST(MissedDeadlines, TwentyInARowAreAFaultThatStays) {
   EXPECT_EQ(run.record.rig_faults, RigFault::deadlines_missed);
 }
 
+TEST(MissedDeadlines, AForceThatWasAwayFor2sDoesNotReturnUnasked) {
+  Watched run("rigid.toml", BusChoice::sim);
+  run.periods(2200);
+  ASSERT_GT(run.torque_Nm(), 0);
+  for (int i = 0; i < 1900; ++i) run.period({.late_before = i % 19 == 0});
+  EXPECT_TRUE(run.record.on_hold);
+  EXPECT_EQ(run.session->rig()->faults(), RigFault::none) << run.session->rig()->fault_text();
+  for (int i = 0; i < 300; ++i) run.period({.late_before = i % 19 == 0});
+  EXPECT_EQ(run.session->rig()->faults(), RigFault::deadlines_missed);
+  for (int i = 0; i < 2000; ++i) {
+    run.period();
+    ASSERT_EQ(run.torque_Nm(), 0) << i;
+  }
+}
+
 TEST(MissedDeadlines, WithoutARigTheRunHasTheFault) {
   for (const char* scene : {"rigid.toml", "tracked.toml"}) {
     Watched run(scene, BusChoice::direct);

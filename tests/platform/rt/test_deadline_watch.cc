@@ -62,6 +62,21 @@ TEST(DeadlineWatch, TheWindowIsOfTimeNotOfPeriods) {
   EXPECT_TRUE(slow.holds());
 }
 
+TEST(DeadlineWatch, AHoldOf2sIsAFault) {
+  DeadlineWatch watch(1e-3);
+  int held = 0;
+  for (; !watch.lost() && held < 3000; ++held) watch.add(held % 19 == 0, 0);  // five in each window
+  EXPECT_NEAR(held, 2000 + 4 * 19, 2);
+  keep(watch, 200);
+  EXPECT_FALSE(watch.lost());
+  for (int i = 0; i < 1900; ++i) watch.add(i % 19 == 0, 0);
+  keep(watch, 200);  // kept in between
+  for (int i = 0; i < 1900; ++i) {
+    watch.add(i % 19 == 0, 0);
+    ASSERT_FALSE(watch.lost()) << i;
+  }
+}
+
 TEST(DeadlineWatch, ResetForgets) {
   DeadlineWatch watch(1e-3);
   watch.add(true, 30);
