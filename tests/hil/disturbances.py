@@ -1,6 +1,5 @@
 """Means of tests/hil/test_disturbances.py: a line with random bytes, a small disk, a stepped clock, and the checks of files."""
 import csv
-import ctypes
 import os
 import pty
 import random
@@ -17,8 +16,6 @@ from pathlib import Path
 import pytest
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "faults.md"
-_LIBC = ctypes.CDLL(None, use_errno=True)
-_NEW_USER, _NEW_MOUNTS = 0x10000000, 0x00020000  # flags of unshare(2)
 
 
 def table():
@@ -88,18 +85,13 @@ def why_no_small_disk():
     return tried.stderr.strip() or "unshare fails" if tried.returncode else ""
 
 
-def mount_small_disk(folder, num_bytes):
-    """For preexec_fn: mounts a file system of this size, which the program and its descendants alone see."""
-    user, group = os.getuid(), os.getgid()
-
-    def mount():
-        assert _LIBC.unshare(_NEW_USER | _NEW_MOUNTS) == 0
-        Path("/proc/self/setgroups").write_text("deny")
-        Path("/proc/self/uid_map").write_text(f"0 {user} 1")
-        Path("/proc/self/gid_map").write_text(f"0 {group} 1")
-        assert _LIBC.mount(b"none", str(folder).encode(), b"tmpfs", 0, f"size={num_bytes}".encode()) == 0
-
-    return mount
+def small_disk(rig, folder, num_bytes):
+    """Mounts a file system of this size at a folder, in the name space of a program that ends with the rig. Returns the folder
+    as others see it."""
+    holder = rig.start(["unshare", "-rm", "sh", "-c", f'mount -t tmpfs -o size={num_bytes} none "$1" && echo ready && exec sleep 600',
+                        "sh", folder], stdout=subprocess.PIPE)
+    assert holder.popen.stdout.readline() == b"ready\n", holder.error_text()
+    return Path(f"/proc/{holder.popen.pid}/root") / folder.relative_to("/")
 
 
 class SteppedClock:

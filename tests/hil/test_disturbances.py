@@ -46,10 +46,9 @@ class Disturbed:
                 return
         pytest.fail(f"godobject run was not enabled {hil.ATTEMPTS} times:\n{self.run.error_text()}")
 
-    def expect(self, name, event=None, fetch=None, torque=True):
+    def expect(self, name, event=None, torque=True):
         """Expects the torque of the list's line, ends the run, and expects its faults and files. Returns the trace's rows, and
-        the number of cycles in the input log. event: the disturbance. fetch: returns the folder of the files after the end,
-        if they are in another."""
+        the number of cycles in the input log. event: the disturbance."""
         always, maybe, promised, files = table()[name]
         if torque:
             self.expect_torque(promised, event)
@@ -57,7 +56,7 @@ class Disturbed:
         faults = self.run.faults()
         assert always <= faults <= always | maybe | HELD, self.run.fault_text()
         assert code == (1 if faults else 0), self.run.error_text()
-        return self.expect_files(files, fetch() if fetch else self.folder)
+        return self.expect_files(files)
 
     def expect_torque(self, promised, event):
         if promised == "torque stays":
@@ -69,10 +68,10 @@ class Disturbed:
         assert promised == "watchdog"
         self.rig.assert_zero_torque(event, WATCHDOG_S + 2 * STEP_S + self.late_s, for_s=0.5)
 
-    def expect_files(self, promised, folder):
+    def expect_files(self, promised):
         report = self.run.report()
-        rows = disturbances.trace_rows(folder / "trace.csv", STEP_S)
-        replayed = disturbances.replayed_cycles(self.rig.scene.program, folder / "run.godo")
+        rows = disturbances.trace_rows(self.folder / "trace.csv", STEP_S)
+        replayed = disturbances.replayed_cycles(self.rig.scene.program, self.folder / "run.godo")
         lost = {Path(name).name: int(count) for fault in report["faults"] if fault["name"] == "file_incomplete"
                 for name, count in re.findall(r"^(\S+) could not be written in full: .*; it lacks (\d+) lines", fault["text"])}
         # The first row is the state before the first cycle.
@@ -112,31 +111,24 @@ def test_stopped(disturbed):
 
 
 @pytest.mark.parametrize("name", ["disk full", "disk full for a while"])
-def test_disk_full(disturbed, tmp_path, name):
+def test_disk_full(disturbed, rig, tmp_path, name):
     if reason := disturbances.why_no_small_disk():
         pytest.skip(reason)
-    disturbed.start(preexec_fn=disturbances.mount_small_disk(disturbed.folder, DISK_BYTES))
-    seen = Path(f"/proc/{disturbed.run.popen.pid}/root") / disturbed.folder.relative_to("/")
-    ballast = seen / "ballast"
+    tmp_path.joinpath("disk", "out").mkdir(parents=True)  # a resolved path names this folder below the disk
+    disk = disturbances.small_disk(rig, tmp_path / "disk", DISK_BYTES)
+    disturbed.folder = disk / "out"
+    disturbed.start()
+    ballast = disk / "ballast"
     with open(ballast, "wb", buffering=0) as file, contextlib.suppress(OSError):
         while True:
             file.write(bytes(4096))
     time.sleep(1)
-    full = (seen / "trace.csv").stat().st_size
+    full = (disturbed.folder / "trace.csv").stat().st_size
     time.sleep(0.5)
-    assert (seen / "trace.csv").stat().st_size == full, "the disk is not full"
+    assert (disturbed.folder / "trace.csv").stat().st_size == full, "the disk is not full"
     if name != "disk full":
         ballast.unlink()
-    # The disk ends with the program; its files stay as long as they are open.
-    files = [(path.name, open(path, "rb")) for path in (seen / "trace.csv", seen / "run.godo")]
-
-    def fetch():
-        for file_name, file in files:
-            with file, open(tmp_path / file_name, "wb") as out:
-                shutil.copyfileobj(file, out)
-        return tmp_path
-
-    rows, replayed = disturbed.expect(name, fetch=fetch)
+    rows, replayed = disturbed.expect(name)
     assert abs(len(rows) - 1 - replayed) < UNWRITTEN_S / STEP_S, "one file lacks more than was not written yet"
 
 
