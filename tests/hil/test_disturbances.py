@@ -114,7 +114,7 @@ def test_stopped(disturbed):
 def test_disk_full(disturbed, rig, tmp_path, name):
     if reason := disturbances.why_no_small_disk():
         pytest.skip(reason)
-    tmp_path.joinpath("disk", "out").mkdir(parents=True)  # a resolved path names this folder below the disk
+    tmp_path.joinpath("disk").mkdir()
     disk = disturbances.small_disk(rig, tmp_path / "disk", DISK_BYTES)
     disturbed.folder = disk / "out"
     disturbed.start()

@@ -30,8 +30,9 @@ struct NamedPath {
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+  if (a == b || fs::equivalent(a, b, ignored)) return true;
+  const fs::path full = fs::weakly_canonical(a, ignored);  // empty on an error
+  return !full.empty() && full == fs::weakly_canonical(b, ignored);
 }
 
 fs::path folder_of(const fs::path& path) {
