@@ -13,6 +13,7 @@ Without --page it only prints. Exit code 77, with the reason, where it cannot me
 
 import argparse
 import json
+import os
 import pathlib
 import platform
 import re
@@ -35,9 +36,10 @@ def skip(why):
 
 def machine():
     cpu = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
-    load = pathlib.Path("/proc/loadavg").read_text().split()[0]
+    load = float(pathlib.Path("/proc/loadavg").read_text().split()[0])
+    busy = f"busy (load {load:.0f}): no verdict" if load > os.cpu_count() else f"load {load:.1f}"
     return (f"{cpu.group(1) if cpu else platform.machine()}, Linux {platform.release()}"
-            f"{', PREEMPT_RT' if 'PREEMPT_RT' in platform.version() else ', no PREEMPT_RT'}, load {load}")
+            f"{', PREEMPT_RT' if 'PREEMPT_RT' in platform.version() else ', no PREEMPT_RT'}, {busy}")
 
 
 def run(program, *arguments):
