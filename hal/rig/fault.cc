@@ -41,7 +41,7 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
     {RigFault::drive_error, "drive_error", "a drive reported an error without an emergency message",
      "look the code up in the drive's manual, remove the cause, clear the faults"},
     {RigFault::quick_stop, "quick_stop", "the motors were stopped on request",
-     "clear the faults and arm again when it is safe"},
+     "release every emergency stop, clear the faults and arm again when it is safe"},
     {RigFault::sensors_disagree, "sensors_disagree",
      "the position of a drive and the encoder on its joint differ by more than max_slip for longer than "
      "stale_after",

@@ -57,8 +57,15 @@ constexpr RigEvent event_of(RigFault fault) noexcept {
   return fault == RigFault::quick_stop ? RigEvent::quick_stop : RigEvent::fault;
 }
 
-/// Faults that would recur if the device were armed again: --rearm auto does not.
-inline constexpr RigFault never_rearmed = RigFault::force_oscillates | RigFault::energy_gained;
+/// Faults after which --rearm auto does not arm: every emergency stop, and faults that would recur.
+inline constexpr RigFault never_rearmed = [] {
+  RigFault faults = RigFault::force_oscillates | RigFault::energy_gained;
+  for (std::size_t i = 0; i < num_rig_faults; ++i) {
+    const auto fault = static_cast<RigFault>(1u << i);
+    if (event_of(fault) == RigEvent::quick_stop) faults = faults | fault;
+  }
+  return faults;
+}();
 
 /// Returns the texts in the order of the bits.
 std::span<const RigFaultText, num_rig_faults> rig_fault_texts() noexcept;

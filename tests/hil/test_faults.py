@@ -80,6 +80,22 @@ def last_torque_s(status):
     return max(drive["nonzero_at_s"] for drive in status["drives"])
 
 
+@pytest.mark.repeats_if_starved
+def test_emergency_stop_is_armed_again_on_request_only(rig):
+    run = rig.run_enabled("--rearm", "auto")
+    rig.wait_for_torque()
+    mark = rig.bus.mark()
+    pressed = rig.fault("press", bus="can0", node=21, duration=1)
+    rig.assert_zero_torque(after=pressed, within_s=LATE_S + 4 * rig.scene.step_s)
+    assert run.wait(8) == 1
+    rig.wait_until(pressed.rig_s + 3)  # released for 2 s
+    assert last_torque_s(rig.status()) < pressed.rig_s + 1 and "quick_stop" in run.faults()
+    assert not any(f.kind == hil.NMT and f.nmt_command == "start" for f in rig.bus.since(mark)), "booted unasked"
+    assert [text for _, text in run.console() if "ARMED" in text] == []
+    rig.run_enabled()
+    rig.wait_for_torque()
+
+
 def test_unknown_fault_is_refused(rig):
     with pytest.raises(AssertionError, match="unknown verb"):
         rig.fault("dorp bus=can0")

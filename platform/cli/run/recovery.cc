@@ -22,8 +22,11 @@ bool Recoveries::again() {
   note();
   const bool lost = !list_.empty() && !list_.back().recovered_after_s;
   if (!lost || plan_.rearm == Rearm::never || cycle_.left() == 0 || stop_) return false;
-  // Faults of this kind would recur in a device that is armed again.
-  if (any(session_.rig()->faults() & never_rearmed)) return false;
+  if (any(session_.rig()->faults() & never_rearmed)) {
+    tell(RunEventKind::lost, "the device is lost: the torque is zero, its nodes are pre-operational",
+         "--rearm auto does not arm it after this fault: remove the cause and start the run again");
+    return false;
+  }
   // A drive that failed when enabled, before any step, would fail again.
   if (any(session_.rig()->faults() & RigFault::drive_error) && !cycle_.t_fault_ns()) return false;
   Recovery& recovery = list_.back();

@@ -96,6 +96,26 @@ TEST_F(Outputs, ACommandNeedNotBeUtf8) {
   EXPECT_EQ(nlohmann::json::parse(simulate.say("quit"))["ok"], true);
 }
 
+/// --rearm auto is no request after an emergency stop, pressed alone or while another fault runs down.
+TEST_F(Outputs, AnEmergencyStopIsNotRearmed) {
+  const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/", report = path("report.json");
+  write("patient-402.toml", read_file(hil + "patient-402.toml"));
+  const auto run = [&](const std::string& faults) {
+    const std::string scene = write("rig.toml", read_file(hil + "rig.toml") + faults);
+    const ProgramResult result =
+        run_program("run '" + scene + "' --duration 5 --rearm auto --report '" + report + "'");
+    EXPECT_EQ(result.exit_code, 1) << result.output;
+    std::vector<std::string> kinds;
+    const nlohmann::json events = nlohmann::json::parse(read_file(report))["events"];
+    for (const auto& event : events) kinds.push_back(event["event"]);
+    return kinds;
+  };
+  const std::string press = "\n[[fault]]\nverb = \"press\"\nnode_id = 21\nduration = 0.2\nat = 0.3\n";
+  const std::string other = "\n[[fault]]\nverb = \"emcy\"\nnode_id = 1\nvalue = 20480\nat = 0.3\n";
+  EXPECT_THAT(run(press), testing::ElementsAre("fault", "lost"));
+  EXPECT_THAT(run(other + press), testing::ElementsAre("fault", "fault", "lost"));
+}
+
 /// Printed when they occur, with all details, and also in the report; also on the simulated clock.
 TEST_F(Outputs, FaultsAndRearmingAreReported) {
   const std::string hil = GODOBJECT_SOURCE_DIR "/tests/hil/";
