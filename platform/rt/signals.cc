@@ -2,6 +2,7 @@
 
 #include <poll.h>
 #include <pthread.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -36,6 +37,7 @@ constexpr std::array<DeadlySignal, 7> deadly_signals{{{SIGABRT, "SIGABRT"},
 std::atomic<const std::vector<LastWords>*> registered{nullptr};
 static_assert(std::atomic<const std::vector<LastWords>*>::is_always_lock_free, "read in a signal handler");
 std::atomic<bool> done{false};
+std::atomic<const termios*> kept_modes{nullptr};
 
 // From here to on_deadly_signal(): async-signal-safe, without allocation.
 
@@ -83,6 +85,7 @@ constexpr std::string_view motors_off = "; the drives were commanded to switch t
 void on_deadly_signal(int signal) {
   const int error = errno;
   const bool spoken = speak();
+  if (const termios* const modes = kept_modes.load()) tcsetattr(STDIN_FILENO, TCSANOW, modes);
   for (const DeadlySignal& deadly : deadly_signals) {
     if (deadly.signal != signal) continue;
     say("godobject: ended by ");
@@ -164,6 +167,8 @@ LastResort::LastResort(std::vector<LastWords> buses) : buses_(std::move(buses)) 
 
 LastResort::~LastResort() { registered = nullptr; }
 
+void LastResort::keep(const termios* of_terminal) noexcept { kept_modes = of_terminal; }
+
 void LastResort::install() {
   std::set_terminate(on_terminate);
   struct sigaction action {};
@@ -217,7 +222,7 @@ void StopSignals::on_signal(int signal) {
 }
 
 StopSignals::StopSignals(Suspension suspension) noexcept {
-  requested_ = insisted_ = false;
+  requested_ = insisted_ = key_ = false;
   signal_ = 0;
   struct sigaction action {};
   action.sa_handler = on_signal;
@@ -242,6 +247,7 @@ StopSignals::~StopSignals() {
 }
 
 std::string_view StopSignals::name() const noexcept {
+  if (signal_ == 0 && key_) return "space bar";
   if (signal_ >= SIGRTMIN) return "SIGRTMIN";
   const auto row = std::ranges::find(rows, signal_.load(), &SignalRow::signal);
   return row == rows.end() ? "" : row->name;

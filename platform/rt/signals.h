@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+struct termios;
+
 namespace godobject {
 
 /// Rest of a line that a short write cut off, for buses of text lines: the last frames follow it. The writing
@@ -52,6 +54,9 @@ class LastResort {
 
   /// Installs the handlers, for the rest of the process. Without frames they only report the signal.
   static void install();
+
+  /// Sets the modes that a dying process restores on its standard input; null: none.
+  static void keep(const termios* of_terminal) noexcept;
 
  private:
   std::vector<LastWords> buses_;
@@ -144,7 +149,13 @@ class StopSignals {
   const std::atomic<bool>& insisted() const noexcept { return insisted_; }
   /// Requests a stop from inside the program, as a signal would.
   void request() const noexcept { requested_ = true; }
-  /// Name of the first signal, "SIGINT"; empty if none came.
+  /// Requests a stop at once, as two signals would: see StopKey.
+  void press_key() const noexcept {
+    key_ = insisted_ = true;
+    requested_ = true;
+  }
+  bool key_pressed() const noexcept { return key_; }
+  /// Name of the first signal, "SIGINT", or of the key; empty if none came.
   std::string_view name() const noexcept;
 
   static constexpr std::size_t max_signals = 64;
@@ -152,7 +163,7 @@ class StopSignals {
  private:
   static void on_signal(int signal);
 
-  static inline std::atomic<bool> requested_{false}, insisted_{false};
+  static inline std::atomic<bool> requested_{false}, insisted_{false}, key_{false};
   static inline std::atomic<int> signal_{0};
   static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
                 "set in a signal handler");

@@ -35,7 +35,7 @@ IGNORED = ["SIGPIPE", "SIGXFSZ", "SIGTTOU", "SIGTTIN"]
 DEADLY = ["SIGABRT", "SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGSYS", "SIGTRAP"]
 UNNOTICED = ["SIGKILL", "SIGSTOP"]
 OUTPUTS = ["pipe closed", "terminal gone", "terminal stopped", "reader gone", "nobody reads", "file size limit"]
-OTHERS = ["last cycle", "second signal", "fault of the rig"]
+OTHERS = ["last cycle", "second signal", "space bar", "fault of the rig"]
 ELSEWHERE = {"terminate": "LastResort.TerminateWritesTheLastFrames",
              "exception": "LastResort.AnExceptionThatEscapesWritesTheLastFrames",
              "stack overflow": "LastResort.AStackOverflowWritesTheLastFrames",
@@ -181,6 +181,57 @@ def test_a_second_signal_is_a_quick_stop(start):
     assert {f.node for f in run.commands(event[0]) if f.controlword == 0x0002} == set(DRIVES)
     assert "QUICK STOP" in run.host.error_text()
     assert "quick_stop" in run.host.faults()
+
+
+@pytest.fixture
+def keyboard():
+    """A terminal: the end of its keys and that of the program."""
+    master, terminal = pty.openpty()
+    yield master, terminal
+    os.close(terminal)
+    os.close(master)
+
+
+def test_space_bar_is_a_quick_stop(start, keyboard):
+    master, terminal = keyboard
+    modes = termios.tcgetattr(terminal)
+    run = start("--rearm", "auto", stdin=terminal)
+    run.wait_for_torque(15)
+    os.write(master, b"x\r")  # other keys do nothing
+    run.wait_for_torque(15)
+    event = run.now()
+    os.write(master, b" ")
+    assert run.host.wait(8) == 1
+    run.expect_zero("space bar", event)
+    run.expect_last_frames(event[0])
+    assert {f.node for f in run.commands(event[0]) if f.controlword == 0x0002} == set(DRIVES)
+    assert "emergency stop: press the space bar\n" in run.host.error_text()
+    assert "space bar: QUICK STOP" in run.host.error_text()
+    assert run.host.report()["stopped_by"] == "space bar" and "quick_stop" in run.host.faults()
+    assert termios.tcgetattr(terminal) == modes
+
+
+@pytest.mark.simulated
+def test_space_bar_ends_the_recovery(start, rig, keyboard):
+    run = start("--rearm", "auto", stdin=keyboard[1])
+    mark = run.bus.mark()
+    rig.fault("unplug", bus="can0", node=1)
+    run.host.wait_for_event("the device is lost", 5)
+    os.write(keyboard[0], b" ")
+    rig.clear()
+    assert run.host.wait(8) == 1 and run.host.report()["stopped_by"] == "space bar"
+    assert "ARMED" not in run.host.error_text()
+    run.expect_last_frames(mark)
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGSEGV"])
+def test_a_terminal_has_its_modes_again(start, keyboard, name):
+    modes = termios.tcgetattr(keyboard[1])
+    run = start(stdin=keyboard[1])
+    assert termios.tcgetattr(keyboard[1])[3] & (termios.ICANON | termios.ECHO) == 0
+    run.host.send_signal(number(name))
+    run.host.wait(8)
+    assert termios.tcgetattr(keyboard[1]) == modes
 
 
 @pytest.mark.parametrize("name", DEADLY)

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
@@ -18,6 +19,7 @@
 
 #include "platform/linux/device_threads.h"
 #include "platform/rt/signals.h"
+#include "platform/rt/stop_key.h"
 #include "platform/scene/toml.h"
 #include "tests/support/faulty_rig.h"
 #include "tests/support/free_port.h"
@@ -34,6 +36,8 @@ using testing::KilledBySignal;
 const std::set<std::string> threads_of_a_run{"godobject", "loop", "file", "console", "view", "openigtlink"};
 /// Threads of other devices.
 const std::set<std::string> threads_of_devices{"tracker", "spacemouse"};
+/// Thread of a run on a terminal.
+const std::set<std::string> threads_of_terminals{"keys"};
 
 /// Returns the first column of the table in docs/threads.md.
 std::set<std::string> documented_threads() {
@@ -67,6 +71,7 @@ pid_t wait_for_thread(pid_t process, const std::string& name) {
 TEST(Threads, TheDocumentedOnesAreThoseThatAreTested) {
   std::set<std::string> tested = threads_of_a_run;
   tested.insert(threads_of_devices.begin(), threads_of_devices.end());
+  tested.insert(threads_of_terminals.begin(), threads_of_terminals.end());
   EXPECT_THAT(documented_threads(), ElementsAreArray(tested));
 }
 
@@ -167,6 +172,27 @@ TEST_F(DeviceThread, OfASpaceMouseWritesTheLastFrames) {
               "the drives were commanded");
   EXPECT_EQ(written(), "last");
   close(listener);
+}
+
+TEST_F(DeviceThread, OfTheKeysWritesTheLastFramesAndRestoresTheTerminal) {
+  int master = -1, terminal = -1;
+  ASSERT_EQ(openpty(&master, &terminal, nullptr, nullptr, nullptr), 0);
+  termios before{}, after{};
+  ASSERT_EQ(tcgetattr(terminal, &before), 0);
+  const auto make = [&] {
+    dup2(terminal, STDIN_FILENO);
+    static const StopSignals signals(Suspension::stops);
+    auto key = std::make_unique<StopKey>(signals);
+    termios during{};
+    if (tcgetattr(terminal, &during) != 0 || (during.c_lflag & (ICANON | ECHO)) != 0) _exit(5);
+    return key;
+  };
+  EXPECT_EXIT(die_in_thread("keys", ends_[1], make), KilledBySignal(SIGSEGV), "the drives were commanded");
+  EXPECT_EQ(written(), "last");
+  ASSERT_EQ(tcgetattr(terminal, &after), 0);
+  EXPECT_EQ(after.c_lflag, before.c_lflag);
+  close(terminal);
+  close(master);
 }
 
 }  // namespace

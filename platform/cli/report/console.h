@@ -23,7 +23,7 @@ enum class RunEventKind : std::uint8_t {
   trying,      // --rearm auto: the device is not back yet
   armed,       // --rearm auto: the motors have torque again
   stop,        // a signal: torque runs down
-  quick_stop,  // a second signal: torque is cut at once
+  quick_stop,  // a second signal or the space bar: torque is cut at once
   world_lost,  // --world: no packet in time
   world_back,  // --world: packets are used, for the first time or again
 };

@@ -14,6 +14,7 @@
 #include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
+#include "platform/rt/stop_key.h"
 
 namespace godobject {
 namespace {
@@ -73,7 +74,8 @@ Ring<EngineState> make_state_ring(const Session& session, const RunFiles& files)
   return Ring<EngineState>(state_ring, state);
 }
 
-/// Prints once that a signal ends the run, and once that a second one or a broken seal stops the motors.
+/// Prints once that a signal ends the run, and once that a second one, the space bar or a broken seal stops
+/// the motors.
 class StopNotices {
  public:
   /// seal: null for a run without one.
@@ -81,12 +83,15 @@ class StopNotices {
       : signals_(signals), events_(events), seal_(seal) {}
 
   void look(double t_s) {
-    if (signals_.requested() && !std::exchange(announced_, true))
+    if (signals_.requested() && !signals_.key_pressed() && !std::exchange(announced_, true))
       events_.tell(RunEventKind::stop, t_s,
                    std::string(signals_.name()) + ": the torque runs down, then the drives are turned off",
                    "send it again for a quick stop");
     if (signals_.insisted() && !std::exchange(insisted_, true))
-      events_.tell(RunEventKind::quick_stop, t_s, "second signal: QUICK STOP, the torque is cut at once", "");
+      events_.tell(RunEventKind::quick_stop, t_s,
+                   std::string(signals_.key_pressed() ? "space bar" : "second signal") +
+                       ": QUICK STOP, the torque is cut at once",
+                   "");
     if (seal_ && seal_->is_broken() && !std::exchange(broken_, true))
       events_.tell(RunEventKind::quick_stop, t_s, seal_->text() + ": QUICK STOP, the torque is cut at once",
                    std::string(text_of(RunFault::seal_broken).remedy));
@@ -336,6 +341,8 @@ std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, Run
   BackgroundFile console(STDERR_FILENO, console_bytes);
   RunEvents events(session, console);
   RunResult result;
+  const StopKey key(stop);
+  if (key.works() && !plan.quiet) static_cast<void>(console.write("emergency stop: press the space bar\n"));
   files.set_patience(std::chrono::milliseconds(0));
   prepare(session, files);
   if (real) result.not_set_up = bring_up(*real, stop.requested());
