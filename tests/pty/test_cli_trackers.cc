@@ -50,6 +50,24 @@ TEST_F(CliTrackers, RunFollowsTheTrackerThatSimulatePlays) {
   EXPECT_THAT(result_.output, HasSubstr("tracking"));
 }
 
+TEST_F(CliTrackers, TheirRunIsRepeatedBitForBitWithoutThem) {
+  const std::string port = start();
+  EXPECT_THAT(far_->say("fault corrupt tracker=polaris value=0.1"), HasSubstr(R"("ok":true)"));
+  const nlohmann::json report = run("--tracker polaris=" + port + " --duration 2 --record " +
+                                    path("run.godo") + " --trace " + path("run.csv"));
+  EXPECT_EQ(result_.exit_code, 0) << result_.output;
+  EXPECT_EQ(report["bus_mode"], "real");
+  EXPECT_GT(report["trackers"][0]["samples"], 50);
+  far_.reset();
+  ProgramResult replayed = run_program("replay " + path("run.godo") + " --trace " + path("again.csv"));
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.output;
+  EXPECT_THAT(replayed.output, HasSubstr("replayed 2000 cycles, t = 0.001 to 2 s, identical"));
+  EXPECT_TRUE(read_file(path("run.csv")) == read_file(path("again.csv")));
+  replayed = run_program("replay " + path("run.godo") + " --from 1.5");
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.output;
+  EXPECT_THAT(replayed.output, HasSubstr("replayed 501 cycles, t = 1.5 to 2 s, identical"));
+}
+
 TEST_F(CliTrackers, FaultsComeFromTheSimulationAndAreNoFaultsOfTheRun) {
   const std::string port = start();
   EXPECT_THAT(far_->say("fault corrupt tracker=polaris value=0.1"), HasSubstr(R"("ok":true)"));

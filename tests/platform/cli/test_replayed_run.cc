@@ -79,6 +79,32 @@ TEST_F(ReplayedRun, EveryRigRunsOnItsRecord) {
   }
 }
 
+/// A log and its own clock are all inputs of such a run, so its state is equal each time to the last bit.
+TEST_F(ReplayedRun, TwoReplaysOfOneLogEndInEqualStates) {
+  const auto hash_of = [this](const std::string& scene, const std::string& log) {
+    const ProgramResult result = replay(scene, "replay:" + log, "--report " + path("r.json"));
+    EXPECT_EQ(result.exit_code, 0) << scene << "\n" << result.output;
+    const nlohmann::json report = nlohmann::json::parse(read_file(path("r.json")));
+    EXPECT_EQ(report["cycles"], 600) << scene;
+    return report["state_hash"].get<std::string>();
+  };
+  std::string once;
+  for (const std::string name : {"grasper", "scissors-imposed", "desk", "rigid"}) {
+    const std::string scene = "sim/scenes/" + name + ".toml";
+    ASSERT_EQ(record(scene, "").exit_code, 0) << name;
+    once = hash_of(scene, path("run.log"));
+    EXPECT_THAT(once, testing::MatchesRegex("[0-9a-f]{16}"));
+    EXPECT_EQ(hash_of(scene, path("run.log")), once) << name;
+  }
+  // One other digit of one encoder's position is another state.
+  std::string log = read_file(path("run.log"));
+  const std::string answer = " 181#";
+  const std::size_t at = log.find(answer, log.size() / 2) + answer.size();
+  ASSERT_GT(at, log.size() / 2);
+  log[at] = log[at] == '0' ? '1' : '0';
+  EXPECT_NE(hash_of("sim/scenes/rigid.toml", write("other.log", log)), once);
+}
+
 TEST_F(ReplayedRun, AWholeRecordEndsWithItsRun) {
   const std::string scene = "sim/scenes/rigid.toml";
   ASSERT_EQ(record(scene, "").exit_code, 0);
