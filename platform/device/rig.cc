@@ -39,7 +39,7 @@ RigDevice::RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link,
   const std::vector<std::size_t> driven = driven_bodies(scene);
   for (const std::optional<std::size_t>& target : driven_by_handles(scene))
     bodies_.push_back(driven[*target]);
-  for (CanBus* const bus : link_->buses()) timed_.emplace_back(*bus);
+  for (CanBus* const bus : link_.buses()) timed_.emplace_back(*bus);
   make_rig();
 }
 
@@ -51,6 +51,7 @@ void RigDevice::make_rig() {
 }
 
 void RigDevice::boot(Period& period) noexcept {
+  note(RigCall::boot);
   static_cast<void>(exchange(period, true));
   static_cast<void>(send(period, {}));
 }
@@ -59,13 +60,13 @@ void RigDevice::boot(Period& period) noexcept {
 void RigDevice::begin(Period& period) noexcept {
   for (TimedBus& bus : timed_) bus.time_by(period.stages);
   const InStage stage(period.stages, Stage::wait);
-  period.began = link_->begin_cycle(period.t);
+  period.began = link_.begin_cycle(period.t);
   period.has_begun = true;
 }
 
 Nanoseconds RigDevice::wait(Period& period, Nanoseconds until) noexcept {
   const InStage stage(period.stages, Stage::wait);
-  return link_->wait(until);
+  return link_.wait(until);
 }
 
 /// Sends SYNC and receives the answers, until all have arrived or their share of the period is over.
@@ -84,6 +85,7 @@ DeviceSample RigDevice::exchange(Period& period, bool starting) noexcept {
 }
 
 void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
+  note(RigCall::read);
   const DeviceSample device = exchange(period, false);
   const bool valid = device.valid && device.fresh;
   buttons_before_ = buttons_;
@@ -102,6 +104,8 @@ void RigDevice::read(Period& period, std::span<BodySample> samples) noexcept {
 /// Displays the wrenches on the drives, and watches the drives' commands for oscillation between their
 /// bounds.
 void RigDevice::command(Period& period, std::span<const Wrench> F_hand_W, Shown& shown) noexcept {
+  note(RigCall::command, shown.oscillates ? 1 : 0,
+       static_cast<std::uint32_t>(std::llround(period.t / cycle_s_)));
   std::array<Wrench, max_handles> of_handles;
   for (std::size_t k = 0; k < bodies_.size(); ++k) of_handles[k] = F_hand_W[bodies_[k]];
   shown.drives = send(period, std::span(of_handles).first(bodies_.size()));
@@ -109,9 +113,11 @@ void RigDevice::command(Period& period, std::span<const Wrench> F_hand_W, Shown&
   if (drive) shown.oscillates = true;
   if (shown.oscillates) rig_->force_oscillates(drive);
   shown.faults = rig_->faults();
+  note(RigCall::commanded);
 }
 
 void RigDevice::tell(RunTrouble trouble) noexcept {
+  note(RigCall::trouble, static_cast<std::uint8_t>(trouble));
   switch (trouble) {
     case RunTrouble::energy_gained: return rig_->energy_gained();
     case RunTrouble::deadlines_missed: return rig_->deadlines_missed();
@@ -120,7 +126,7 @@ void RigDevice::tell(RunTrouble trouble) noexcept {
 
 CommandReport RigDevice::send(Period& period, std::span<const Wrench> F_hand_W) noexcept {
   const CommandReport report = rig_->command(F_hand_W, period.now);
-  link_->end_cycle();
+  link_.end_cycle();
   return report;
 }
 
@@ -132,6 +138,7 @@ void RigDevice::take_in(Period& period) noexcept {
 }
 
 bool RigDevice::run_down(Period& period) noexcept {
+  note(RigCall::run_down);
   if (!commands_torque()) return false;
   static_cast<void>(exchange(period, false));
   static_cast<void>(send(period, {}));
@@ -139,6 +146,7 @@ bool RigDevice::run_down(Period& period) noexcept {
 }
 
 void RigDevice::stop(Period& period) noexcept {
+  note(RigCall::stop);
   take_in(period);  // makes space in the transmit queues
   rig_->stop();
 }
@@ -146,12 +154,13 @@ void RigDevice::stop(Period& period) noexcept {
 /// True if any drive on a bus that still works is commanded torque.
 bool RigDevice::commands_torque() const noexcept {
   for (std::size_t i = 0; i < rig_->num_drives(); ++i)
-    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_->buses()[params_.drives[i].bus]->state()))
+    if (rig_->commanded_torque_Nm(i) != 0 && !is_cut_off(link_.ports()[params_.drives[i].bus]->state()))
       return true;
   return false;
 }
 
 void RigDevice::restart() {
+  note(RigCall::restart);
   earlier_rigs_ = counters();
   make_rig();
   swings_.reset();

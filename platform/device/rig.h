@@ -10,6 +10,7 @@
 #include "hal/rig/rig.h"
 #include "hal/rig/swing_watch.h"
 #include "platform/device/hand_device.h"
+#include "platform/device/link_record.h"
 
 namespace godobject {
 
@@ -59,6 +60,7 @@ class TimedBus final : public CanBus {
   }
   BusState state() const noexcept override { return bus_.state(); }
   BusCounters counters() const noexcept override { return bus_.counters(); }
+  bool is_live() const noexcept override { return bus_.is_live(); }
 
  private:
   CanBus& bus_;
@@ -77,21 +79,36 @@ class RigDevice final : public HandDevice {
   RigDevice(const SceneConfig& scene, std::unique_ptr<RigLink> link,
             std::vector<PassivityParams> controllers);
 
+  /// Records the inputs of the rig from now on. Call it before the first period.
+  void record(const LinkEventSink& sink) noexcept { link_.record(sink); }
+
   std::optional<double> boot_limit_s() const noexcept override { return 0; }  // its own is shorter
   void boot(Period& period) noexcept override;
   bool ready() const noexcept override { return rig_->state() == RigState::ready; }
-  bool arm() noexcept override { return rig_->arm(); }
+  bool arm() noexcept override {
+    note(RigCall::arm);
+    return rig_->arm();
+  }
   bool failed() const noexcept override { return rig_->state() == RigState::fault; }
   void read(Period& period, std::span<BodySample> samples) noexcept override;
   void command(Period& period, std::span<const Wrench> F_hand_W, Shown& shown) noexcept override;
   void tell(RunTrouble trouble) noexcept override;
 
   bool makes_torque() const noexcept override { return true; }
-  void disarm() noexcept override { rig_->disarm(); }
-  void quick_stop() noexcept override { rig_->quick_stop(); }
+  void disarm() noexcept override {
+    note(RigCall::disarm);
+    rig_->disarm();
+  }
+  void quick_stop() noexcept override {
+    note(RigCall::quick_stop);
+    rig_->quick_stop();
+  }
   bool run_down(Period& period) noexcept override;
   void stop(Period& period) noexcept override;
-  void close(Period& period) noexcept override { take_in(period); }
+  void close(Period& period) noexcept override {
+    note(RigCall::close);
+    take_in(period);
+  }
   void restart() override;
 
   bool has_hold_button() const noexcept override { return rig_->has_button(ButtonUse::hold); }
@@ -100,13 +117,15 @@ class RigDevice final : public HandDevice {
   /// Coordinates of the device's joints in the last step; empty before the first.
   const JointVector& q() const noexcept { return q_; }
   const Rig& rig() const noexcept { return *rig_; }
-  RigLink& link() noexcept { return *link_; }
-  const RigLink& link() const noexcept { return *link_; }
-  std::span<CanBus* const> buses() const noexcept { return link_->buses(); }
+  RigLink& link() noexcept { return link_; }
+  std::span<CanBus* const> buses() const noexcept { return link_.ports(); }
   /// Returns sums over all rigs so far: see restart().
   RigCounters counters() const noexcept;
 
  private:
+  void note(RigCall call, std::uint8_t argument = 0, std::uint32_t cycle = 0) noexcept {
+    link_.call(call, rig_->state(), argument, cycle);
+  }
   void begin(Period& period) noexcept;
   Nanoseconds wait(Period& period, Nanoseconds until) noexcept;
   DeviceSample exchange(Period& period, bool starting) noexcept;
@@ -119,7 +138,7 @@ class RigDevice final : public HandDevice {
   double cycle_s_;
   std::vector<std::size_t> bodies_;  // one per handle
   PrescribedSamples joints_;
-  std::unique_ptr<RigLink> link_;
+  RecordedLink link_;
   std::vector<TimedBus> timed_;  // one per bus of the link
   std::vector<PassivityParams> controllers_;
   std::optional<Rig> rig_;

@@ -145,6 +145,10 @@ class Session {
   void set_bus_observer(const BusObserver& observer) noexcept {
     if (rig_) rig_->link().set_observer(observer);
   }
+  /// Records the inputs of the rig, if there is one. Call it before start().
+  void record_rig(const LinkEventSink& sink) noexcept {
+    if (rig_) rig_->record(sink);
+  }
 
  private:
   Session(SceneConfig scene, Motion motion);

@@ -4,26 +4,15 @@
 #include <array>
 #include <bit>
 #include <type_traits>
+#include <utility>
 
 #include "hal/base/crc32.h"
+#include "platform/trace/log_bytes.h"
 
 namespace godobject {
 namespace {
 
-// ---- numbers and texts -----------------------------------------------------------------------------
-
-template <class Int>
-void put(std::string& out, Int value) {
-  std::array<char, sizeof value> bytes{};
-  for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] = static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i) & 0xff);
-  out.append(bytes.data(), bytes.size());
-}
-
-void put_text(std::string& out, std::string_view text) {
-  put(out, static_cast<std::uint32_t>(text.size()));
-  out += text;
-}
+// ---- rows ------------------------------------------------------------------------------------------
 
 /// Appends the words of a row that differ from the row before, after a bit for each word.
 void put_row(std::string& out, std::span<const std::uint64_t> row, std::span<const std::uint64_t> before) {
@@ -136,6 +125,9 @@ std::string head_payload(const InputLogHead& head) {
     put_text(out, file.name);
     put_text(out, file.bytes);
   }
+  put_text(out, head.revision);
+  put(out, static_cast<std::uint32_t>(head.device_start.size()));
+  for (const double q : head.device_start) put(out, std::bit_cast<std::uint64_t>(q));
   return out;
 }
 
@@ -236,7 +228,29 @@ void InputLogWriter::add(const EngineState& state) {
   write(InputLogKind::state, 0, true);
 }
 
+void InputLogWriter::add(const LinkEvent& event) {
+  constexpr std::size_t chunk_bytes = 1 << 16;
+  put_link(links_, event, t_link_ns_);
+  if (event.t_ns != 0) t_link_ns_ = event.t_ns;
+  ++num_links_;
+  if (links_.size() >= chunk_bytes) flush_links();
+}
+
+/// Writes the events that wait for a full chunk. Each chunk begins with a time in full.
+void InputLogWriter::flush_links() {
+  if (num_links_ == 0) return;
+  payload_.clear();
+  put(payload_, written_links_);
+  put(payload_, static_cast<std::uint32_t>(num_links_));
+  payload_ += links_;
+  write(InputLogKind::links, 0, false);
+  written_links_ += std::exchange(num_links_, 0);
+  links_.clear();
+  t_link_ns_ = 0;
+}
+
 void InputLogWriter::flush() {
+  flush_links();
   if (num_rows_ == 0) return;
   payload_.clear();
   put(payload_, static_cast<std::uint32_t>(num_rows_));
@@ -268,7 +282,8 @@ LastChunks::LastChunks(const InputLogSizes& sizes, std::uint64_t snapshot_bytes,
                        std::uint64_t state_every)
     : num_states_((rows + state_every - 1) / state_every + 1) {
   const std::uint64_t word_bits = 65, chunk_bytes = 32;  // of a word with its bit, and around a payload
-  const std::uint64_t row_bytes = (num_words(sizes) * word_bits + 7) / 8 + chunk_bytes,
+  const std::uint64_t link_bytes = sizes.device_q > 0 ? 1024 : 0;  // events of a rig in a cycle
+  const std::uint64_t row_bytes = (num_words(sizes) * word_bits + 7) / 8 + chunk_bytes + link_bytes,
                       state_bytes = snapshot_bytes * word_bits / 64 + chunk_bytes;
   const std::uint64_t bytes = num_states_ * (state_every * row_bytes + state_bytes);
   memory_.resize(std::min<std::uint64_t>(bytes, max_bytes));
@@ -276,14 +291,19 @@ LastChunks::LastChunks(const InputLogSizes& sizes, std::uint64_t snapshot_bytes,
 }
 
 void LastChunks::add(const InputLogWriter::Chunk& chunk) {
-  if (chunk.bytes.size() > memory_.size()) return groups_.clear();
+  if (chunk.bytes.size() > memory_.size()) {
+    is_bounded_ = true;
+    return groups_.clear();
+  }
   if (chunk.is_state) groups_.push_back({.begin = end_});
   if (groups_.empty()) return;
   const auto too_old = [&](const Group& group) {
     return end_ + chunk.bytes.size() - group.begin > memory_.size();
   };
-  while (!groups_.empty() && (too_old(groups_.front()) || groups_.size() > num_states_))
+  while (!groups_.empty() && (too_old(groups_.front()) || groups_.size() > num_states_)) {
+    is_bounded_ = is_bounded_ || groups_.size() <= num_states_;
     groups_.erase(groups_.begin());
+  }
   if (groups_.empty()) return;
   groups_.back().rows += chunk.num_rows;
   for (const char byte : chunk.bytes) memory_[end_++ % memory_.size()] = byte;

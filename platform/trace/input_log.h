@@ -1,9 +1,10 @@
-// Input logs: every input of the engine in each cycle of a run, with its outputs, hashes and states.
+// Input logs: every input of engine and rig in each cycle of a run, with outputs, hashes and states.
 // `godobject replay` repeats the run from them bit for bit. A file is a list of chunks, so it is readable up
 // to a cut, and again after a damaged chunk. Numbers are little-endian:
 //   file     "godolog1", where 1 is the number of the format, then chunks
 //   chunk    marker, kind, bytes of the payload (u32 each), the payload, and the CRC-32 of all from kind on
 //   head     the members of InputLogHead, texts with their length (u32) before them
+//   links    number of the first event (u64), their number (u32), then events of the rig: see put_link()
 //   rows     their number (u32), then rows; the first one follows a row of zeros
 //   state    cycle and hash of the state (u64), then the engine's snapshot as one row
 //   end      number of rows that were lost (u64)
@@ -19,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "platform/device/link_record.h"
 #include "platform/scene/toml.h"
 #include "platform/session/record.h"
 
@@ -41,7 +43,7 @@ constexpr std::uint64_t cycles_between_states(double step) noexcept {
 
 // Beginning of a file, and of each chunk.
 inline constexpr std::string_view input_log_magic = "godolog1", input_log_marker = "CHNK";
-enum class InputLogKind : std::uint32_t { head = 1, rows, state, end };
+enum class InputLogKind : std::uint32_t { head = 1, rows, state, end, links };
 
 /// Numbers of elements of the vectors of a record.
 struct InputLogSizes {
@@ -68,6 +70,9 @@ struct InputLogHead {
   std::uint64_t snapshot_bytes = 0;
   std::int64_t log_origin_ns = 0;  // added to times of the buses in traces
   InputLogSizes sizes{};
+  // The next two are empty in older files.
+  std::string revision{};              // of the sources of that program
+  std::vector<double> device_start{};  // coordinates of the device's joints at the start of the motion
 };
 
 /// State of the engine after a cycle.
@@ -109,19 +114,25 @@ class InputLogWriter {
   void add(const CycleRecord& record);
   /// Adds the state after the last added row.
   void add(const EngineState& state);
-  /// Writes the rows that wait for a full chunk.
+  /// Adds an event of the rig. All events before the command of a row come before the row.
+  void add(const LinkEvent& event);
+  /// Writes the events and rows that wait for a full chunk.
   void flush();
   /// Returns the last chunk of a log. lost: number of rows that were lost for it.
   static std::string end_of(std::uint64_t lost);
 
  private:
   void write(InputLogKind kind, std::uint64_t rows, bool is_state);
+  void flush_links();
 
   Sink sink_;
   std::vector<std::uint64_t> row_, before_;
   std::string rows_, payload_, chunk_;
   std::uint64_t num_rows_ = 0;    // in rows_
   double t_ = 0, t_flushed_ = 0;  // time of the last row, and of the last one in a chunk, s
+  std::string links_;
+  std::uint64_t num_links_ = 0, written_links_ = 0;  // in links_; in all chunks before
+  Nanoseconds t_link_ns_ = 0;                        // time of the latest event in links_
 };
 
 /// Chunks of the last seconds before a fault, in memory of a fixed size.
@@ -139,6 +150,8 @@ class LastChunks {
   void each(const std::function<void(std::string_view)>& use) const;
   /// Number of rows of these chunks.
   std::uint64_t num_rows() const noexcept;
+  /// True if max_bytes hold fewer rows than were wanted.
+  bool is_bounded() const noexcept { return is_bounded_; }
 
  private:
   /// A state and the rows after it.
@@ -149,6 +162,7 @@ class LastChunks {
   std::vector<char> memory_;
   std::vector<Group> groups_;
   std::uint64_t end_ = 0;  // number of bytes added so far
+  bool is_bounded_ = false;
 };
 
 // ---- reading ---------------------------------------------------------------------------------------
@@ -179,7 +193,7 @@ LoadResult parse_scene_of(const InputLogHead& head, const FaultChecks& checks);
 /// Decodes an input log in memory, which must outlive it.
 class InputLogReader {
  public:
-  enum class Item : std::uint8_t { row, state, end, cut };
+  enum class Item : std::uint8_t { row, state, links, end, cut };
 
   /// Reads the head and the start; see why_not().
   explicit InputLogReader(std::string_view file);
@@ -190,12 +204,15 @@ class InputLogReader {
   /// Record of the start, whose cycle is 0.
   const CycleRecord& start() const noexcept { return start_; }
 
-  /// Returns the kind of the next item, which row() or state() then has. The last item is the end, or the cut
-  /// of a file without one.
+  /// Returns the kind of the next item, which row(), state() or links() then has. The last item is the end,
+  /// or the cut of a file without one.
   Item next();
   const CycleRecord& row() const noexcept { return row_; }
   std::span<const std::uint64_t> words() const noexcept { return words_; }
   const EngineState& state() const noexcept { return state_; }
+  /// Events of the rig, and the number of the first one.
+  std::span<const LinkEvent> links() const noexcept { return links_; }
+  std::uint64_t first_link() const noexcept { return first_link_; }
   std::uint64_t lost_rows() const noexcept { return lost_; }
   /// Number of bytes of damaged chunks so far; those after the last whole chunk do not count.
   std::uint64_t damaged_bytes() const noexcept { return damaged_; }
@@ -210,6 +227,7 @@ class InputLogReader {
   bool next_chunk(Chunk& chunk);
   bool read_head(std::string_view payload);
   bool read_state(std::string_view payload);
+  bool read_links(std::string_view payload);
   bool next_row();
 
   std::string_view file_;
@@ -221,6 +239,8 @@ class InputLogReader {
   CycleRecord start_, row_;
   std::vector<std::uint64_t> words_, state_words_;
   EngineState state_;
+  std::vector<LinkEvent> links_;
+  std::uint64_t first_link_ = 0;
   std::string why_not_;
 };
 

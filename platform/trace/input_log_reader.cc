@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +14,7 @@
 
 #include "hal/base/crc32.h"
 #include "platform/trace/input_log.h"
+#include "platform/trace/log_bytes.h"
 
 namespace godobject {
 namespace {
@@ -23,34 +25,6 @@ constexpr std::size_t chunk_head_bytes = 12, crc_bytes = 4;
 // Bounds of a readable head, far above those of any composition.
 constexpr std::uint32_t max_of_a_size = 1u << 16;
 constexpr std::uint64_t max_snapshot_bytes = 1u << 28;
-
-/// Reads numbers and texts from the front of bytes; zero and empty beyond their end.
-class Bytes {
- public:
-  explicit Bytes(std::string_view bytes) : rest_(bytes) {}
-
-  template <class Int>
-  Int number() {
-    const std::string_view bytes = text(sizeof(Int));
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < bytes.size(); ++i)
-      value |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
-    return static_cast<Int>(value);
-  }
-  std::string_view text(std::size_t size) {
-    complete_ = complete_ && size <= rest_.size();
-    const std::string_view taken = rest_.substr(0, complete_ ? size : 0);
-    rest_.remove_prefix(taken.size());
-    return taken;
-  }
-  std::string_view text() { return text(number<std::uint32_t>()); }
-  std::string_view rest() const { return rest_; }
-  bool is_complete() const { return complete_; }
-
- private:
-  std::string_view rest_;
-  bool complete_ = true;
-};
 
 std::uint64_t word_at(std::string_view bytes) {
   std::uint64_t word = 0;
@@ -127,15 +101,18 @@ InputLogReader::Item InputLogReader::next() {
     if (next_row()) return Item::row;
     if (!next_chunk(chunk)) return Item::cut;
     if (chunk.kind == InputLogKind::rows) {
-      Bytes bytes(chunk.payload);
+      LogBytes bytes(chunk.payload);
       rows_left_ = bytes.number<std::uint32_t>();
       rows_ = bytes.rest();
       std::ranges::fill(words_, 0);
     } else if (chunk.kind == InputLogKind::state) {
       if (read_state(chunk.payload)) return Item::state;
       damaged_ += chunk.payload.size();
+    } else if (chunk.kind == InputLogKind::links) {
+      if (read_links(chunk.payload)) return Item::links;
+      damaged_ += chunk.payload.size();
     } else if (chunk.kind == InputLogKind::end) {
-      lost_ = Bytes(chunk.payload).number<std::uint64_t>();
+      lost_ = LogBytes(chunk.payload).number<std::uint64_t>();
       return Item::end;
     }
   }
@@ -155,7 +132,7 @@ bool InputLogReader::next_row() {
 bool InputLogReader::next_chunk(Chunk& chunk) {
   const std::size_t begin = at_;
   while (at_ < file_.size()) {
-    Bytes bytes(file_.substr(at_));
+    LogBytes bytes(file_.substr(at_));
     const bool is_marked = bytes.text(input_log_marker.size()) == input_log_marker;
     const std::string_view checked = bytes.rest();
     chunk.kind = bytes.number<InputLogKind>();
@@ -173,7 +150,7 @@ bool InputLogReader::next_chunk(Chunk& chunk) {
 }
 
 bool InputLogReader::read_head(std::string_view payload) {
-  Bytes bytes(payload);
+  LogBytes bytes(payload);
   for (std::string* text : {&head_.version, &head_.scene_file, &head_.scene, &head_.composition})
     *text = bytes.text();
   head_.snapshot_bytes = bytes.number<std::uint64_t>();
@@ -189,12 +166,17 @@ bool InputLogReader::read_head(std::string_view payload) {
     file.bytes = bytes.text();
     head_.files.push_back(std::move(file));
   }
+  if (bytes.is_complete() && !bytes.rest().empty()) {  // older files end here
+    head_.revision = bytes.text();
+    for (auto left = bytes.number<std::uint32_t>(); left > 0 && bytes.is_complete(); --left)
+      head_.device_start.push_back(std::bit_cast<double>(bytes.number<std::uint64_t>()));
+  }
   return bytes.is_complete() && head_.snapshot_bytes % sizeof(std::uint64_t) == 0 &&
          head_.snapshot_bytes <= max_snapshot_bytes;
 }
 
 bool InputLogReader::read_state(std::string_view payload) {
-  Bytes bytes(payload);
+  LogBytes bytes(payload);
   state_.cycle = bytes.number<std::uint64_t>();
   state_.hash = bytes.number<std::uint64_t>();
   state_words_.assign(head_.snapshot_bytes / sizeof(std::uint64_t), 0);
@@ -205,6 +187,19 @@ bool InputLogReader::read_state(std::string_view payload) {
   return true;
 }
 
+bool InputLogReader::read_links(std::string_view payload) {
+  LogBytes bytes(payload);
+  first_link_ = bytes.number<std::uint64_t>();
+  const auto count = bytes.number<std::uint32_t>();
+  links_.clear();
+  Nanoseconds t = 0;
+  while (links_.size() < count && bytes.is_complete()) {
+    links_.push_back(take_link(bytes, t));
+    if (links_.back().t_ns != 0) t = links_.back().t_ns;
+  }
+  return bytes.is_complete();
+}
+
 void InputLogReader::continue_at(std::uint64_t cycle) {
   at_ = first_;
   rows_left_ = 0;
@@ -212,7 +207,7 @@ void InputLogReader::continue_at(std::uint64_t cycle) {
   for (Chunk chunk;;) {
     if (!next_chunk(chunk)) break;
     if (chunk.kind != InputLogKind::state) continue;
-    if (Bytes(chunk.payload).number<std::uint64_t>() > cycle) break;
+    if (LogBytes(chunk.payload).number<std::uint64_t>() > cycle) break;
     found = at_ - (chunk_head_bytes + chunk.payload.size() + crc_bytes);
   }
   damaged_ = 0;

@@ -142,7 +142,10 @@ TEST_P(SealedRunWith, AForbiddenCallIsNamedAndStopsTheMotors) {
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   Planted planted(GetParam().call);
   made.session->add(planted);
-  RunFiles files({}, made.session->scene(), 0);
+  const std::string log = testing::TempDir() + "seal-" + GetParam().name + ".godo";
+  RunFileNames names;
+  names.on_fault = log;
+  RunFiles files(names, made.session->scene(), 0);
   const std::optional<RunResult> result =
       run_realtime(*made.session, {.num_cycles = 5000, .quiet = true, .seal = true}, files, nullptr);
   ASSERT_TRUE(result.has_value());
@@ -150,10 +153,19 @@ TEST_P(SealedRunWith, AForbiddenCallIsNamedAndStopsTheMotors) {
   EXPECT_THAT(result->seal_broken, HasSubstr("), which the seal refuses"));
   EXPECT_GE(result->refused_calls, 1u);
   EXPECT_LT(result->statistics.cycles, 300u);
+  EXPECT_TRUE(files.close().empty());
+  ASSERT_EQ(files.fault_files().size(), 1u);
+  const ProgramResult again = run_program("replay " + log);
+  EXPECT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_THAT(again.output, HasSubstr("identical"));
+  std::filesystem::remove(log);
   EXPECT_EQ(made.session->phase(), RunPhase::ended);
-  const auto event = std::ranges::find(result->events, RunEventKind::quick_stop, &RunEvent::kind);
+  const auto event = std::ranges::find(result->events, "seal_broken", &RunEvent::name);
   ASSERT_NE(event, result->events.end());
+  EXPECT_TRUE(is_fault(event->kind));
   EXPECT_THAT(event->cause, HasSubstr(GetParam().name));
+  EXPECT_NE(std::ranges::find(result->events, RunEventKind::quick_stop, &RunEvent::kind),
+            result->events.end());
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,5 +1,7 @@
 // A sealed run of the program on interfaces of the kernel, with its files, on a rig that another program
 // simulates.
+#include <gmock/gmock.h>
+
 #include "tests/socketcan/can_test.h"
 #include "tests/support/background_program.h"
 #include "tests/support/faulty_rig.h"
@@ -29,10 +31,14 @@ TEST_F(SealedOnSocketCan, WithTraceAndRecord) {
   const ProgramResult result = run_program(
       "run " + scene + " --bus can0=socketcan:vcan0 --bus can1=socketcan:vcan1 --seal --duration " +
       std::to_string(seconds) + " --trace " + path("trace.csv") + " --record " + path("bus.log") +
-      " --report " + path("report.json"));
+      " --record " + path("run.godo") + " --report " + path("report.json"));
   expect_sealed(path("report.json"), seconds, length_of(1e-2, 1e-3), guard, result.output);
   const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
   EXPECT_GT(report["answers"]["frames"], report["cycles"]);
+  const ProgramResult again = run_program("replay " + path("run.godo"));
+  EXPECT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_THAT(again.output, testing::HasSubstr("replayed " + report["cycles"].dump() + " cycles"));
+  EXPECT_THAT(again.output, testing::HasSubstr("identical, also the rig"));
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ class RunOverPtys : public ProgramTest {
     host_.reset();
     far_.emplace(std::vector<std::string>{"simulate", scene, "--realtime", "--control", "-", "--bus",
                                           "can0=pty", "--bus", "can1=pty", "--tap", "can1=pty"});
-    std::vector<std::string> arguments{"run", scene, "--duration", std::to_string(limit_s)};
+    std::vector<std::string> arguments{"run",        scene, "--duration", std::to_string(limit_s),
+                                       "--on-fault", "none"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     std::string tap;
     for (std::string line = far_->line(); line != "ready" && !line.empty(); line = far_->line()) {

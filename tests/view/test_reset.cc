@@ -125,8 +125,8 @@ TEST(ResetOfARun, IsRefusedWithItsReason) {
   RunOptions options = options_of("grasper.toml");
   options.buses = {"pty:"};
   EXPECT_EQ(reason(options), "this run has hardware, which cannot go back: stop the run, and start it again");
-  for (const auto name :
-       {&RunFileNames::trace, &RunFileNames::contacts, &RunFileNames::record, &RunFileNames::on_fault}) {
+  for (const auto name : {&RunFileNames::trace, &RunFileNames::contacts, &RunFileNames::record,
+                          &RunFileNames::inputs, &RunFileNames::on_fault}) {
     options = options_of("wall.toml");
     options.files.*name = testing::TempDir() + "reset.godo";
     EXPECT_EQ(reason(options),

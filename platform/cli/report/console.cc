@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "platform/cli/report/statistics.h"
 
@@ -22,7 +23,8 @@ double since_start_s(const Session& session, Nanoseconds t) noexcept {
 std::string_view name_of(RunEventKind kind) noexcept {
   switch (kind) {
     case RunEventKind::rig_fault:
-    case RunEventKind::core_fault: return "fault";
+    case RunEventKind::core_fault:
+    case RunEventKind::run_fault: return "fault";
     case RunEventKind::core_over: return "over";
     case RunEventKind::cleared: return "cleared";
     case RunEventKind::lost: return "lost";
@@ -31,6 +33,7 @@ std::string_view name_of(RunEventKind kind) noexcept {
     case RunEventKind::stop: return "stop";
     case RunEventKind::world_lost: return "world_lost";
     case RunEventKind::world_back: return "world_back";
+    case RunEventKind::kept: return "kept";
     case RunEventKind::quick_stop: break;
   }
   return "quick_stop";
@@ -40,8 +43,7 @@ std::string line_of(const RunEvent& event) {
   std::array<char, 32> time{};
   std::snprintf(time.data(), time.size(), "at %.3f s: ", event.t_s);
   std::string line = time.data();
-  const bool is_fault = event.kind == RunEventKind::rig_fault || event.kind == RunEventKind::core_fault;
-  if (is_fault) line += "FAULT ";
+  if (is_fault(event.kind)) line += "FAULT ";
   line += event.name;
   if (!event.place.empty()) line += " (" + event.place + ")";
   if (!event.name.empty()) line += ": ";
@@ -54,6 +56,7 @@ void EventWatch::look(const Session& session, const CycleRecord& record, bool st
   if (const Rig* const rig = session.rig()) look_at_rig(session, *rig);
   if (!stepped) return;
   look_at_core(record);
+  look_at_run(session, record);
   if (const WorldPlanes* const world = session.world()) look_at_world(*world, record.t);
 }
 
@@ -94,6 +97,15 @@ void EventWatch::look_at_core(const CycleRecord& record) noexcept {
   }
 }
 
+/// Detects faults of the run itself; with a rig they are faults of the rig.
+void EventWatch::look_at_run(const Session& session, const CycleRecord& record) noexcept {
+  if (session.rig() != nullptr) return;
+  if (session.missed_deadlines() && !std::exchange(had_missed_deadlines_, true))
+    push({.kind = RunEventKind::run_fault, .run_fault = RunFault::deadlines_missed, .t_s = record.t});
+  if (record.force_oscillates && !std::exchange(had_oscillation_, true))
+    push({.kind = RunEventKind::run_fault, .run_fault = RunFault::force_oscillates, .t_s = record.t});
+}
+
 void RunEvents::drain() {
   for (RunEventMark mark; ring_.try_pop(mark);) tell(event_of(mark));
 }
@@ -120,6 +132,13 @@ RunEvent RunEvents::event_of(const RunEventMark& mark) const {
       if (mark.kind == RunEventKind::core_fault) event.remedy = text.remedy;
       break;
     }
+    case RunEventKind::run_fault: {
+      const FaultText& text = text_of(mark.run_fault);
+      event.name = text.name;
+      event.cause = text.meaning;
+      event.remedy = text.remedy;
+      break;
+    }
     case RunEventKind::world_lost:
       event.cause = "the world is silent: its planes are released, and their force fades";
       event.remedy = "restart its program, or let it send sooner than its valid_s";
@@ -131,9 +150,9 @@ RunEvent RunEvents::event_of(const RunEventMark& mark) const {
   return event;
 }
 
-void RunEvents::tell(RunEventKind kind, double t_s, std::string cause, std::string remedy) {
+void RunEvents::tell(RunEventKind kind, double t_s, std::string cause, std::string remedy, std::string name) {
   drain();
-  RunEvent event{.kind = kind, .t_s = t_s};
+  RunEvent event{.kind = kind, .t_s = t_s, .name = std::move(name)};
   event.cause = std::move(cause);
   event.remedy = std::move(remedy);
   tell(std::move(event));
@@ -141,8 +160,9 @@ void RunEvents::tell(RunEventKind kind, double t_s, std::string cause, std::stri
 
 void RunEvents::tell(RunEvent event) {
   static_cast<void>(console_.write(line_of(event) + "\n"));
-  if (list_.size() < max_kept) list_.push_back(std::move(event));
+  if (list_.size() < max_kept) list_.push_back(event);
   else ++left_out_;
+  if (keep_ && is_fault(event.kind)) keep_(event);
 }
 
 StatusLine::StatusLine(BackgroundFile& console, bool quiet) noexcept

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace godobject {
 enum class RunEventKind : std::uint8_t {
   rig_fault,   // a fault at a place of the rig
   core_fault,  // a bit of Fault
+  run_fault,   // a RunFault seen in the loop
   core_over,   // absent for half a second
   cleared,     // the rig's faults were cleared
   lost,        // --rearm auto: the run continues when the device is back
@@ -26,14 +28,21 @@ enum class RunEventKind : std::uint8_t {
   quick_stop,  // a second signal or the space bar: torque is cut at once
   world_lost,  // --world: no packet in time
   world_back,  // --world: packets are used, for the first time or again
+  kept,        // the seconds before a fault are in a file
 };
+
+constexpr bool is_fault(RunEventKind kind) noexcept {
+  return kind == RunEventKind::rig_fault || kind == RunEventKind::core_fault ||
+         kind == RunEventKind::run_fault;
+}
 
 /// Event as recorded by the real-time thread.
 struct RunEventMark {
   RunEventKind kind = RunEventKind::rig_fault;
   RigFaultRecord rig_fault{};
   std::size_t core_fault = 0;  // index of core_fault_texts
-  double t_s = 0;              // s, time of the motion
+  RunFault run_fault{};
+  double t_s = 0;  // s, time of the motion
 };
 
 /// Event as printed and reported.
@@ -68,6 +77,7 @@ class EventWatch {
  private:
   void look_at_rig(const Session& session, const Rig& rig) noexcept;
   void look_at_core(const CycleRecord& record) noexcept;
+  void look_at_run(const Session& session, const CycleRecord& record) noexcept;
   void look_at_world(const WorldPlanes& world, double t_s) noexcept;
   void push(const RunEventMark& mark) noexcept { static_cast<void>(out_.try_push(mark)); }
 
@@ -75,6 +85,7 @@ class EventWatch {
   std::size_t num_seen_ = 0;  // number of places of the rig reported so far
   bool was_lost_ = false;
   bool was_world_live_ = false;
+  bool had_missed_deadlines_ = false, had_oscillation_ = false;
   std::array<bool, core_fault_texts.size()> active_{};
   std::array<double, core_fault_texts.size()> t_last_{};
 };
@@ -94,7 +105,10 @@ class RunEvents {
   /// t_s: time of the motion, s.
   /// cause: text of the event.
   /// remedy: text of the remedy, or of the next event.
-  void tell(RunEventKind kind, double t_s, std::string cause, std::string remedy);
+  /// name: of a fault; empty for other events.
+  void tell(RunEventKind kind, double t_s, std::string cause, std::string remedy, std::string name = "");
+  /// Calls `keep` after each event that is a fault.
+  void at_faults(std::function<void(const RunEvent&)> keep) { keep_ = std::move(keep); }
 
   const std::vector<RunEvent>& list() const noexcept { return list_; }
   /// Returns the number of events beyond max_kept or lost in the ring.
@@ -107,6 +121,7 @@ class RunEvents {
   const Session& session_;
   BackgroundFile& console_;
   Ring<RunEventMark> ring_{1024};
+  std::function<void(const RunEvent&)> keep_;
   std::vector<RunEvent> list_;
   std::uint64_t left_out_ = 0;
 };

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <set>
 #include <utility>
 
+#include "platform/cli/report/revision.h"
 #include "platform/scene/text/diagnostics.h"
 #include "platform/scene/toml.h"
+#include "platform/session/passivity.h"
 
 namespace godobject {
 namespace {
@@ -25,7 +26,6 @@ std::vector<std::string> bus_names(const SceneConfig& scene) {
   return names;
 }
 
-constexpr double seconds_before_fault = 10, seconds_after_fault = 1;
 constexpr std::size_t max_scene_file_bytes = std::size_t{256} << 20;
 
 /// Reads the files to which the scene refers. Omits files that have become unreadable.
@@ -108,58 +108,6 @@ void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_N
   state.hash = session.engine().state_hash();
 }
 
-void InputLogOnDisk::add(std::string_view bytes, std::uint64_t rows, std::chrono::milliseconds patience) {
-  if (!file_.write(bytes, patience)) {
-    refused_rows_ += rows;
-    return;
-  }
-  ends_.push_back({.bytes = ends_.back().bytes + bytes.size(), .rows = ends_.back().rows + rows});
-}
-
-std::optional<FileLoss> InputLogOnDisk::close(BackgroundFile::Clock::time_point until) {
-  const BackgroundFile::Result result = file_.close(until);
-  FileLoss loss{.path = path_, .why = result.why, .lost_lines = refused_rows_};
-  const auto last = std::ranges::upper_bound(ends_, result.written_bytes, {}, &End::bytes) - 1;
-  loss.lost_lines += ends_.back().rows - last->rows;
-  if (loss.why.empty() && loss.lost_lines == 0) return std::nullopt;
-  return loss;
-}
-
-FaultLog::FaultLog(const std::string& path, const InputLogSizes& sizes, std::uint64_t snapshot_bytes,
-                   double step)
-    : path_(path),
-      rows_after_(static_cast<std::uint64_t>(std::llround(seconds_after_fault / step))),
-      last_(sizes, snapshot_bytes, static_cast<std::uint64_t>(std::llround(seconds_before_fault / step)),
-            cycles_between_states(step)) {}
-
-void FaultLog::add(const InputLogWriter::Chunk& chunk, std::chrono::milliseconds patience) {
-  has_state_ = has_state_ || chunk.is_state;
-  if (!has_state_) preamble_ += chunk.bytes;
-  else if (!file_) last_.add(chunk);
-  if (!file_ || rows_after_ == 0) return;
-  file_->add(chunk.bytes, chunk.num_rows, patience);
-  rows_after_ -= std::min(rows_after_, chunk.num_rows);
-  if (rows_after_ == 0) file_->add(InputLogWriter::end_of(0), 0, patience);
-}
-
-bool FaultLog::faults_first(const CycleRecord& record) noexcept {
-  const bool faults = record.fault != Fault::none || any(record.rig_faults);
-  return faults && !std::exchange(has_fault_, faults || has_fault_);
-}
-
-void FaultLog::write(std::chrono::milliseconds patience) {
-  file_.emplace(path_, preamble_.size() + LastChunks::max_bytes + waiting_bytes);
-  file_->add(preamble_, 1, patience);
-  std::uint64_t rows = last_.num_rows();
-  last_.each([&](std::string_view piece) { file_->add(piece, std::exchange(rows, 0), patience); });
-}
-
-std::optional<FileLoss> FaultLog::close(BackgroundFile::Clock::time_point until) {
-  if (!file_) return std::nullopt;
-  if (rows_after_ > 0) file_->add(InputLogWriter::end_of(0), 0, std::chrono::milliseconds(0));
-  return file_->close(until);
-}
-
 // ---- all files ------------------------------------------------------------------------------------
 
 RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseconds log_origin_ns)
@@ -176,7 +124,7 @@ RunFiles::RunFiles(const RunFileNames& names, const SceneConfig& scene, Nanoseco
   else if (!names.trace.empty()) trace_.emplace(into(trace_file_, names.trace), scene);
   if (!names.contacts.empty()) contacts_.emplace(into(contacts_file_, names.contacts), scene);
   if (!names.nets.empty()) nets_.emplace(into(nets_file_, names.nets), scene_nets(scene));
-  if (names.record.empty() || is_input_log(names.record)) return;
+  if (names.record.empty()) return;
   record_ = std::make_shared<CandumpLog>(
       [this](std::string_view text) { return record_file_->write(text, patience_); }, bus_names(scene));
   record_file_.emplace(names.record, waiting_bytes,
@@ -196,8 +144,12 @@ void RunFiles::start_inputs(const Session& session, const CycleRecord& start) {
                     .files = files_of(session.scene(), names_.scene),
                     .composition = engine.composition().name,
                     .snapshot_bytes = engine.snapshot_bytes(),
-                    .log_origin_ns = log_origin_ns_};
-  if (is_input_log(names_.record)) input_log_.emplace(names_.record, waiting_bytes);
+                    .log_origin_ns = log_origin_ns_,
+                    .revision = std::string(revision()),
+                    .device_start = {}};
+  const JointVector q = joints_at_start(session.scene(), session.motion());
+  head.device_start.assign(q.begin(), q.end());
+  if (!names_.inputs.empty()) input_log_.emplace(names_.inputs, waiting_bytes);
   if (!names_.on_fault.empty())
     fault_log_.emplace(names_.on_fault, sizes_of(start), head.snapshot_bytes, session.scene().step);
   inputs_.emplace(std::move(head), start, [this](const InputLogWriter::Chunk& chunk) {
@@ -214,13 +166,7 @@ void RunFiles::add(const CycleRecord& record) {
     start_ = record;
     return;
   }
-  if (inputs_) {
-    inputs_->add(record);
-    if (fault_log_ && fault_log_->faults_first(record)) {
-      inputs_->flush();
-      fault_log_->write(patience_);
-    }
-  }
+  if (inputs_) inputs_->add(record);
   if (start_) {
     start_->t_bus_ns = record.motion_start_ns;
     start_->device_q = record.device_q;  // unknown before the first step
@@ -279,6 +225,12 @@ void RunFiles::add_row(const CycleRecord& record) {
        .drive_energy = record.drive_energy});
 }
 
+const FaultFile* RunFiles::write_on_fault() {
+  if (!fault_log_ || !fault_log_->wants_file()) return nullptr;
+  inputs_->flush();
+  return &fault_log_->write(patience_);
+}
+
 std::vector<FileLoss> RunFiles::close() {
   add_start();
   if (trace_) static_cast<void>(trace_->close());  // the file reports losses
@@ -302,7 +254,7 @@ std::vector<FileLoss> RunFiles::close() {
   if (input_log_)
     if (std::optional<FileLoss> loss = input_log_->close(until)) losses.push_back(*std::move(loss));
   if (fault_log_)
-    if (std::optional<FileLoss> loss = fault_log_->close(until)) losses.push_back(*std::move(loss));
+    for (FileLoss& loss : fault_log_->close(until)) losses.push_back(std::move(loss));
   return losses;
 }
 

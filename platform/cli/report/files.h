@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hal/can/candump.h"
+#include "platform/cli/report/fault_log.h"
 #include "platform/rt/background_file.h"
 #include "platform/session/session.h"
 #include "platform/trace/input_log.h"
@@ -60,20 +61,14 @@ struct RunFileNames {
   std::string scene;  // path of the scene file, whose folder has the files that it refers to
   std::string trace, contacts, nets;
   CsvRows::Sink trace_rows = nullptr;  // receives the rows of the trace in place of a file
-  std::string record;                  // a log of frames, or by its ending an input log
-  std::string on_fault;                // input log of the last seconds before the first fault
+  std::string record;                  // a log of the frames of all buses
+  std::string inputs;                  // input log of the whole run
+  std::string on_fault;                // input logs of the last seconds before each fault: the first one
   std::uint64_t trace_every =
       1;  // write every n-th row of trace and contacts, and rows where a fault begins or ends
   std::uint64_t nets_every = 40;  // write every n-th row of nets
 
-  bool records_inputs() const noexcept { return is_input_log(record) || !on_fault.empty(); }
-};
-
-/// A file that is not complete.
-struct FileLoss {
-  std::string path;
-  std::string why;               // empty: the writer of a real-time run was too slow
-  std::uint64_t lost_lines = 0;  // as far as known
+  bool records_inputs() const noexcept { return !inputs.empty() || !on_fault.empty(); }
 };
 
 /// Makes the records of a session list all that its files have. Call it before Session::at_start().
@@ -81,52 +76,6 @@ void list_recorded(const RunFileNames& names, Session& session) noexcept;
 
 /// Copies the state of the session's engine, but for the cycle. Real-time after the first call.
 void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_NONBLOCKING;
-
-/// Input log in a file, as its chunks come.
-class InputLogOnDisk {
- public:
-  explicit InputLogOnDisk(const std::string& path, std::size_t room)
-      : path_(path), file_(path, room, nullptr, BackgroundFile::Content::chunks) {}
-
-  void add(std::string_view bytes, std::uint64_t rows, std::chrono::milliseconds patience);
-  /// Number of rows that did not fit so far.
-  std::uint64_t refused_rows() const noexcept { return refused_rows_; }
-  /// Returns the loss, whose lines are rows; none if the file is complete.
-  std::optional<FileLoss> close(BackgroundFile::Clock::time_point until);
-
- private:
-  struct End {
-    std::uint64_t bytes = 0, rows = 0;  // from the begin of the file
-  };
-  std::string path_;
-  BackgroundFile file_;
-  std::vector<End> ends_{{}};  // of each chunk, after that of the begin
-  std::uint64_t refused_rows_ = 0;
-};
-
-/// Input log of the last 10 s before the first fault, and of the second after it. Until then the chunks are
-/// in memory.
-class FaultLog {
- public:
-  FaultLog(const std::string& path, const InputLogSizes& sizes, std::uint64_t snapshot_bytes, double step);
-
-  void add(const InputLogWriter::Chunk& chunk, std::chrono::milliseconds patience);
-  /// Updates with a row. Returns true if the first fault begins with it; then flush the log and call write().
-  bool faults_first(const CycleRecord& record) noexcept;
-  /// Opens the file and writes the chunks in memory.
-  void write(std::chrono::milliseconds patience);
-  /// Returns the loss as InputLogOnDisk does; none if there was no fault.
-  std::optional<FileLoss> close(BackgroundFile::Clock::time_point until);
-  bool is_written() const noexcept { return file_.has_value(); }
-
- private:
-  std::string path_;
-  std::string preamble_;  // chunks before the first state
-  bool has_state_ = false, has_fault_ = false;
-  std::uint64_t rows_after_;  // number of rows to add after the fault
-  LastChunks last_;
-  std::optional<InputLogOnDisk> file_;
-};
 
 class RunFiles {
  public:
@@ -145,6 +94,10 @@ class RunFiles {
   void add(const EngineState& state) {
     if (inputs_) inputs_->add(state);
   }
+  /// Adds an input of the rig, for input logs.
+  void add(const LinkEvent& event) {
+    if (inputs_) inputs_->add(event);
+  }
   void add(const BusFrame& frame) {
     if (!record_) return;
     BusFrame logged = frame;
@@ -154,10 +107,15 @@ class RunFiles {
   /// Sets how long add() waits for a blocked file before it stops writing it. 0: add() does not wait, and
   /// drops text without room. Default 2 s.
   void set_patience(std::chrono::milliseconds patience) noexcept { patience_ = patience; }
+  /// Writes the input log of the last seconds at a fault. Returns null without such a log, or if the fault
+  /// is in the file of the one before.
+  const FaultFile* write_on_fault();
   /// Waits at most 2 s for pending text, and returns the incomplete files.
   std::vector<FileLoss> close();
-  /// True if there was a fault, so that the file RunFileNames::on_fault exists.
-  bool wrote_on_fault() const noexcept { return fault_log_ && fault_log_->is_written(); }
+  /// Files written by write_on_fault() so far.
+  std::vector<FaultFile> fault_files() const {
+    return fault_log_ ? fault_log_->files() : std::vector<FaultFile>{};
+  }
 
  private:
   void start_inputs(const Session& session, const CycleRecord& start);

@@ -129,6 +129,10 @@ Json to_json(const RunEvent& event) {
           {"remedy", text_or_null(event.remedy)}};
 }
 
+Json to_json(const FaultFile& file) {
+  return {{"path", file.path}, {"kept_s", file.kept_s}, {"is_bounded", file.is_bounded}};
+}
+
 Json to_json(const RtStep& step) {
   return {{"step", step.name},
           {"result", name_of(step.result)},
@@ -340,9 +344,10 @@ nlohmann::ordered_json to_json(const RunReport& report) {
                   {"console_lines", report.result.lost_console_lines}};
   json["machine"] = machine(report.result.setup);
   json["state_hash"] = hash_text(report.session.engine().state_hash());
-  json["files"] = {{"trace", options.files.trace},       {"contacts", options.files.contacts},
-                   {"nets", options.files.nets},         {"record", options.files.record},
-                   {"on_fault", options.files.on_fault}, {"report", options.report}};
+  json["files"] = {{"trace", options.files.trace},   {"contacts", options.files.contacts},
+                   {"nets", options.files.nets},     {"record", options.files.record},
+                   {"inputs", options.files.inputs}, {"on_fault", to_array(report.fault_files)},
+                   {"report", options.report}};
   return json;
 }
 

@@ -89,10 +89,17 @@ void add_not_ready(const RunReport& report, std::vector<FaultReport>& faults) {
 void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losses,
                      std::vector<FaultReport>& faults) {
   std::uint64_t lost_rows = report.result.lost_cycles, lost_frames = report.result.lost_frames;
-  std::array<std::uint64_t, 2> lost_inputs{report.result.lost_cycles, 0};
+  std::uint64_t lost_inputs = report.result.lost_cycles;
+  const auto lost = [&](const std::string& file, std::uint64_t count) {
+    if (!file.empty() && count > 0)
+      faults.push_back(
+          {.name = std::string(text_of(RunFault::records_lost).name),
+           .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
+  };
   for (const FileLoss& loss : losses) {
     if (loss.why.empty() && is_input_log(loss.path)) {
-      lost_inputs[loss.path == report.options.files.record ? 0 : 1] += loss.lost_lines;
+      if (loss.path == report.options.files.inputs) lost_inputs += loss.lost_lines;
+      else lost(loss.path, loss.lost_lines);
       continue;
     }
     if (loss.why.empty()) {
@@ -103,17 +110,10 @@ void add_file_faults(const RunReport& report, const std::vector<FileLoss>& losse
                       .text = loss.path + " could not be written in full: " + loss.why + "; it lacks " +
                               std::to_string(loss.lost_lines) + " lines"});
   }
-  const auto lost = [&](const std::string& file, std::uint64_t count) {
-    if (!file.empty() && count > 0)
-      faults.push_back(
-          {.name = std::string(text_of(RunFault::records_lost).name),
-           .text = file + " lacks " + std::to_string(count) + " records: the disk could not keep up"});
-  };
   lost(report.options.files.trace, lost_rows);
   lost(report.options.files.contacts, lost_rows);
-  const std::string& record = report.options.files.record;
-  lost(record, is_input_log(record) ? lost_inputs[0] : lost_frames);
-  lost(report.options.files.on_fault, lost_inputs[1]);
+  lost(report.options.files.record, lost_frames);
+  lost(report.options.files.inputs, lost_inputs);
 }
 
 std::vector<TrackerReportLine> tracker_reports(const Session& session) {

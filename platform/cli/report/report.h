@@ -65,6 +65,7 @@ struct RunReport {
   std::optional<SocketDeviceLine> socket_device{};
   std::optional<WorldLine> world{};
   std::vector<FaultReport> faults;
+  std::vector<FaultFile> fault_files{};
   std::optional<Nanoseconds> wall_origin_ns{};  // real buses only: time of day minus time of their clock
 };
 

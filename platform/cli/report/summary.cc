@@ -1,6 +1,7 @@
 // Summary at the end of a run.
 #include "platform/cli/report/report.h"
 
+#include <array>
 #include <cinttypes>
 
 namespace godobject {
@@ -135,10 +136,19 @@ void print_recoveries(std::FILE* out, const RunReport& report) {
                    recovery.seen_s, recovery.boots);
 }
 
-void print_files(std::FILE* out, const RunOptions& options) {
-  for (const std::string& file : {options.files.trace, options.files.contacts, options.files.nets,
-                                  options.files.record, options.files.on_fault, options.report})
-    if (!file.empty()) std::fprintf(out, "  %-26s %s\n", "file", file.c_str());
+void print_files(std::FILE* out, const RunReport& report) {
+  const auto print = [out](const std::string& file, const std::string& about = "") {
+    if (!file.empty()) std::fprintf(out, "  %-26s %s%s\n", "file", file.c_str(), about.c_str());
+  };
+  const RunFileNames& files = report.options.files;
+  for (const std::string& file : {files.trace, files.contacts, files.nets, files.record, files.inputs})
+    print(file);
+  for (const FaultFile& file : report.fault_files) {
+    std::array<char, 48> about{};
+    std::snprintf(about.data(), about.size(), ", %.3g s before a fault", file.kept_s);
+    print(file.path, about.data());
+  }
+  print(report.options.report);
 }
 
 }  // namespace
@@ -207,7 +217,7 @@ void print_summary(std::FILE* out, const RunReport& report) {
     std::fprintf(out, "  %-26s %" PRIu64 " cycles, %" PRIu64 " frames\n", "lost to the files",
                  result.lost_cycles, result.lost_frames);
   std::fprintf(out, "  %-26s %s\n", "state hash", hash_text(report.session.engine().state_hash()).c_str());
-  print_files(out, report.options);
+  print_files(out, report);
 }
 
 }  // namespace godobject

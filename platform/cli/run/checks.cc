@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <iterator>
 #include <system_error>
@@ -60,7 +61,7 @@ std::string why_not_writable(const std::string& path) {
 
 void check_record(const RunOptions& options, BusChoice choice, const SceneConfig& scene,
                   std::vector<std::string>& errors) {
-  if (options.files.record.empty() || is_input_log(options.files.record)) return;
+  if (options.files.record.empty()) return;
   if (options.view_input) {
     errors.push_back("--record: with --view-input there is no bus to record: remove either");
   } else if (!has_rig(scene)) {
@@ -108,7 +109,8 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   for (const NamedPath& out :
        {NamedPath{"--trace", options.files.trace}, NamedPath{"--contacts", options.files.contacts},
         NamedPath{"--nets", options.files.nets}, NamedPath{"--record", options.files.record},
-        NamedPath{"--on-fault", options.files.on_fault}, NamedPath{"--report", options.report}}) {
+        NamedPath{"--record", options.files.inputs}, NamedPath{"--on-fault", options.files.on_fault},
+        NamedPath{"--report", options.report}}) {
     if (out.path.empty()) continue;
     const std::string why_not = why_not_writable(out.path);
     if (!why_not.empty()) errors.push_back(out.option + ": '" + out.path + "' " + why_not);
@@ -119,9 +121,33 @@ void check_outputs(const RunOptions& options, std::vector<std::string>& errors) 
   }
 }
 
+void name_fault_log(RunOptions& options, const PreparedRun& run) {
+  const bool is_real = run.session->bus() == BusChoice::real && run.log == nullptr;
+  if (!options.keeps_faults || !options.files.on_fault.empty() || !is_real || run.world) return;
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::array<char, 40> time{};
+  std::strftime(time.data(), time.size(), "-fault-%Y%m%dT%H%M%S", &local);
+  const std::string name =
+      fs::path(options.scene).stem().string() + time.data() + std::string(input_log_ending);
+  fs::path folder;
+  for (const std::string& output :
+       {options.report, options.files.trace, options.files.inputs, options.files.record})
+    if (folder.empty()) folder = fs::path(output).parent_path();
+  const std::string path = (folder / name).string();
+  if (const std::string why_not = why_not_writable(path); why_not.empty()) options.files.on_fault = path;
+  else
+    std::fprintf(stderr,
+                 "note: the seconds before a fault are not kept, because '%s' %s; give --on-fault FILE, or "
+                 "--on-fault none\n",
+                 path.c_str(), why_not.c_str());
+}
+
 std::string make_folders(const RunOptions& options) {
-  for (const std::string& path : {options.files.trace, options.files.contacts, options.files.nets,
-                                  options.files.record, options.files.on_fault, options.report}) {
+  for (const std::string& path :
+       {options.files.trace, options.files.contacts, options.files.nets, options.files.record,
+        options.files.inputs, options.files.on_fault, options.report}) {
     std::error_code error;
     if (path.empty() || fs::exists(folder_of(path), error)) continue;
     if (!fs::create_directories(folder_of(path), error) && error)

@@ -196,7 +196,7 @@ void check_world(const RunOptions& options, SceneConfig& scene, std::vector<std:
     errors.push_back(of_scene +
                      "has no body with spheres or shapes that touch planes: add a [[body.sphere]]");
   if (options.fast) errors.push_back("--world: requires wall time: remove --fast");
-  if (is_input_log(options.files.record) || !options.files.on_fault.empty())
+  if (options.files.records_inputs())
     errors.push_back(
         "--world: excludes input logs (--record FILE.godo, --on-fault), since replay has no planes of "
         "another "

@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdio>
 #include <future>
 #include <memory>
 #include <system_error>
@@ -23,6 +25,7 @@ namespace {
 constexpr std::size_t cycle_ring = 4096, frame_ring = 65536;
 constexpr std::size_t cycle_ring_bytes = 64u << 20;
 constexpr std::size_t state_ring = 4;  // there is a state each second, or more often
+constexpr std::size_t link_ring = 65536;
 constexpr std::chrono::milliseconds drain_interval{10};
 // Interval in runs that a page slows down, shorter than a step.
 constexpr std::chrono::microseconds paused_interval{200};
@@ -66,6 +69,22 @@ void prepare(Session& session, RunFiles& files) {
   files.start(session);
 }
 
+/// Writes the seconds before each fault, and prints the file's name.
+void keep_faults(RunFiles& files, RunEvents& events) {
+  events.at_faults([&files, &events](const RunEvent& fault) {
+    const FaultFile* const file = files.write_on_fault();
+    if (file == nullptr) return;
+    std::array<char, 48> kept{"the boot before it is"};
+    if (file->kept_s > 0)
+      std::snprintf(kept.data(), kept.size(), "the last %.3g s before it are", file->kept_s);
+    const std::string bound =
+        file->is_bounded ? " (" + std::to_string(LastChunks::max_bytes >> 20) + " MB hold no more)" : "";
+    const bool is_last = files.fault_files().size() == FaultLog::max_files;
+    events.tell(RunEventKind::kept, fault.t_s, std::string(kept.data()) + " kept in " + file->path + bound,
+                is_last ? "no further file is written" : "godobject replay repeats them");
+  });
+}
+
 /// Returns a ring of states, with one slot of no size unless an input log is written.
 Ring<EngineState> make_state_ring(const Session& session, const RunFiles& files) {
   EngineState state;
@@ -73,6 +92,37 @@ Ring<EngineState> make_state_ring(const Session& session, const RunFiles& files)
   take_state(session, state);
   return Ring<EngineState>(state_ring, state);
 }
+
+/// Inputs of the rig on their way to the input logs.
+class LinkEvents {
+ public:
+  LinkEvents(Session& session, RunFiles& files)
+      : session_(session),
+        files_(files),
+        ring_(files.wants_inputs() && session.rig() != nullptr ? link_ring : 1),
+        event_(ring_.record()) {
+    if (ring_.capacity() == 1) return;
+    session.record_rig({.push =
+                            [](void* context, const LinkEvent& event) noexcept GODOBJECT_NONBLOCKING {
+                              return static_cast<Ring<LinkEvent>*>(context)->try_push(event);
+                            },
+                        .context = &ring_});
+  }
+  ~LinkEvents() { session_.record_rig({}); }
+  LinkEvents(const LinkEvents&) = delete;
+  LinkEvents& operator=(const LinkEvents&) = delete;
+
+  /// Moves the events to the files. A row is added after its own events.
+  void drain() {
+    while (ring_.try_pop(event_)) files_.add(event_);
+  }
+
+ private:
+  Session& session_;
+  RunFiles& files_;
+  Ring<LinkEvent> ring_;
+  LinkEvent event_;
+};
 
 /// Prints once that a signal ends the run, and once that a second one, the space bar or a broken seal stops
 /// the motors.
@@ -92,9 +142,11 @@ class StopNotices {
                    std::string(signals_.key_pressed() ? "space bar" : "second signal") +
                        ": QUICK STOP, the torque is cut at once",
                    "");
-    if (seal_ && seal_->is_broken() && !std::exchange(broken_, true))
-      events_.tell(RunEventKind::quick_stop, t_s, seal_->text() + ": QUICK STOP, the torque is cut at once",
-                   std::string(text_of(RunFault::seal_broken).remedy));
+    if (!seal_ || !seal_->is_broken() || std::exchange(broken_, true)) return;
+    const FaultText& broken = text_of(RunFault::seal_broken);
+    events_.tell(RunEventKind::run_fault, t_s, seal_->text(), std::string(broken.remedy),
+                 std::string(broken.name));
+    events_.tell(RunEventKind::quick_stop, t_s, "broken seal: QUICK STOP, the torque is cut at once", "");
   }
 
  private:
@@ -107,10 +159,12 @@ class StopNotices {
 /// Moves cycles, states and frames from the rings to the files, the status line and the console.
 class Drain {
  public:
-  Drain(Ring<CycleEntry>& cycles, Ring<EngineState>& states, Ring<BusFrame>& frames, RunFiles& files,
-        RunEvents& events, const StopSignals& signals, const Seal* seal, BackgroundFile& console, bool quiet)
+  Drain(Ring<CycleEntry>& cycles, Ring<EngineState>& states, Ring<BusFrame>& frames, LinkEvents& links,
+        RunFiles& files, RunEvents& events, const StopSignals& signals, const Seal* seal,
+        BackgroundFile& console, bool quiet)
       : cycles_(cycles),
         states_(states),
+        links_(links),
         frames_(frames),
         files_(files),
         events_(events),
@@ -124,11 +178,13 @@ class Drain {
     events_.drain();
     while (cycles_.try_pop(entry_)) {
       t_s_ = entry_.record.t;
+      links_.drain();
       if (files_.wants_inputs()) add_state_before(entry_.record.cycle);
       files_.add(entry_.record);
       status_.update(entry_.record, entry_.wake_ns);
     }
     while (frames_.try_pop(frame_)) files_.add(frame_);
+    links_.drain();
   }
   void end() {
     run();
@@ -146,6 +202,7 @@ class Drain {
 
   Ring<CycleEntry>& cycles_;
   Ring<EngineState>& states_;
+  LinkEvents& links_;
   Ring<BusFrame>& frames_;
   RunFiles& files_;
   RunEvents& events_;
@@ -171,8 +228,9 @@ class RealtimeRun {
         cycles_(make_cycle_ring(session)),
         states_(make_state_ring(session, files)),
         frames_(frame_ring),
+        links_(session, files),
         seal_(plan.seal ? std::make_unique<Seal>() : nullptr),
-        drain_(cycles_, states_, frames_, files, events, signals, seal_.get(), console, plan.quiet),
+        drain_(cycles_, states_, frames_, links_, files, events, signals, seal_.get(), console, plan.quiet),
         quiet_(plan.quiet),
         thread_(plan.thread),
         process_({}, thread_),
@@ -262,6 +320,7 @@ class RealtimeRun {
   Ring<CycleEntry> cycles_;
   Ring<EngineState> states_;
   Ring<BusFrame> frames_;
+  LinkEvents links_;
   std::unique_ptr<Seal> seal_;  // null without --seal
   Drain drain_;
   bool quiet_;
@@ -296,6 +355,8 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   StopNotices notices(stop, events);
   RunResult result;
   prepare(session, files);
+  keep_faults(files, events);
+  LinkEvents links(session, files);
   EventWatch watch(events.ring());
   RunCycle cycle(session, plan, stop.requested());
   cycle.quick_stop_on(stop.insisted());
@@ -318,6 +379,7 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
       const bool stepped = cycle.run(record);
       const Nanoseconds end = clock.now();
       if (stepped) cycle.end_stages();
+      links.drain();
       events.drain();
       if (!stepped) continue;
       result.timing.cycle_ns.add(end - start);
@@ -345,6 +407,7 @@ std::optional<RunResult> run_realtime(Session& session, const RunPlan& plan, Run
   if (key.works() && !plan.quiet) static_cast<void>(console.write("emergency stop: press the space bar\n"));
   files.set_patience(std::chrono::milliseconds(0));
   prepare(session, files);
+  keep_faults(files, events);
   if (real) result.not_set_up = bring_up(*real, stop.requested());
   result.stopped_by = stop.name();
   if (!result.not_set_up.empty() || stop.requested()) return result;

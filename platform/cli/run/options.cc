@@ -97,8 +97,7 @@ Session::Made make_session(const RunOptions& options, SceneConfig scene, Motion 
                      .clock = []() noexcept GODOBJECT_NONBLOCKING { return MonotonicClock{}.now(); },
                      .truth = nullptr};
   if (has_rig(scene)) {
-    auto link = make_link(run.buses.real, *scene.device->rig, scene.step,
-                          !options.files.record.empty() && !is_input_log(options.files.record));
+    auto link = make_link(run.buses.real, *scene.device->rig, scene.step, !options.files.record.empty());
     run.link = link.get();
     device.buses = std::move(link);
   }
@@ -256,7 +255,8 @@ std::string why_no_reset(const RunOptions& options, const PreparedRun& run) {
   if (has_hardware(options, run)) return refused("this run has hardware, which cannot go back");
   if (run.world) return refused("the simulation of --world cannot go back");
   const RunFileNames& files = options.files;
-  for (const std::string* file : {&files.trace, &files.contacts, &files.nets, &files.record, &files.on_fault})
+  for (const std::string* file :
+       {&files.trace, &files.contacts, &files.nets, &files.record, &files.inputs, &files.on_fault})
     if (!file->empty()) return refused("this run writes " + *file + ", whose steps follow one another");
   return "";
 }

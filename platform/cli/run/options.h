@@ -50,6 +50,7 @@ struct RunOptions {
   std::string integrator;          // empty: the scene's; as for the paths below
   std::string motion;
   RunFileNames files;
+  bool keeps_faults = true;  // not with --on-fault none
   std::string report;
   std::optional<std::string> spacemouse;  // socket of its daemon; empty: the default one
   std::string device;                     // socket of the program that is the device; empty: none
@@ -105,6 +106,10 @@ inline bool has_rig(const SceneConfig& scene) { return scene.device && scene.dev
 
 /// Checks that every output can be written, and that none overwrites an input or another output.
 void check_outputs(const RunOptions& options, std::vector<std::string>& errors);
+
+/// Names the input log of faults by scene and time, for a run on real buses or trackers without --on-fault.
+/// Prints why not if the folder cannot be written.
+void name_fault_log(RunOptions& options, const PreparedRun& run);
 
 /// Creates missing folders of the outputs. Returns why one cannot be created; empty on success.
 std::string make_folders(const RunOptions& options);

@@ -12,8 +12,10 @@
 #include "platform/cli/program.h"
 #include "platform/cli/report/files.h"
 #include "platform/cli/report/report.h"
+#include "platform/cli/report/revision.h"
 #include "platform/scene/toml.h"
 #include "platform/trace/input_log.h"
+#include "platform/trace/rig_replay.h"
 
 namespace godobject {
 namespace {
@@ -24,6 +26,21 @@ struct ReplayOptions {
   RunFileNames files;
   FaultChecks faults{};
 };
+
+/// Returns a head with this program's version and revision.
+InputLogHead this_build() {
+  InputLogHead head;
+  head.version = GODOBJECT_VERSION;
+  head.revision = revision();
+  return head;
+}
+bool is_of_this_build(const InputLogHead& head) {
+  return head.version == GODOBJECT_VERSION && head.revision == revision();
+}
+std::string build_of(const InputLogHead& head) {
+  const std::string of_sources = head.revision.empty() ? "no revision" : "revision " + head.revision;
+  return printable(head.version + ", " + of_sources);
+}
 
 std::vector<std::string> names_of_bodies(const SceneConfig& scene) {
   std::vector<std::string> names;
@@ -75,14 +92,19 @@ class Replay {
     start();
     if (options_.from && compares_)
       reader_.continue_at(static_cast<std::uint64_t>(*options_.from / scene_.step));
+    else if (compares_ && RigReplay::why_not(scene_, reader_.head().device_start).empty())
+      rig_.emplace(scene_, reader_.head().device_start);
     for (bool more = !has_ended_; more;) {
       switch (reader_.next()) {
         case InputLogReader::Item::row: more = take_row(); break;
         case InputLogReader::Item::state: more = take_state(); break;
-        case InputLogReader::Item::end: more = false; break;
+        case InputLogReader::Item::links:
+          if (rig_) rig_->add(reader_.first_link(), reader_.links());
+          break;
+        case InputLogReader::Item::end: more = end_rig(); break;
         case InputLogReader::Item::cut:
           note("was cut after cycle " + std::to_string(last_) + ", or is still written");
-          more = false;
+          more = end_rig();
           break;
       }
     }
@@ -107,11 +129,16 @@ class Replay {
     if (files_ && is_shown(0)) files_->add(record_);
   }
 
-  /// Steps with the inputs of a row, if the engine has the state before it. Returns false after the last.
+  /// Repeats a cycle: the engine if it has the state before it, and the rig. Returns false after the last.
   bool take_row() {
     const CycleRecord& row = reader_.row();
     if (row.t > options_.to.value_or(1e12) + 0.5 * scene_.step) return false;
     last_ = row.cycle;
+    const bool goes_on = step_engine(row);
+    return goes_on && step_rig(row);
+  }
+
+  bool step_engine(const CycleRecord& row) {
     if (row.cycle <= now_) return true;
     if (has_state_ && row.cycle != now_ + 1) has_state_ = false;
     if (!has_state_) return compares_ || stop_at_gap();
@@ -134,9 +161,9 @@ class Replay {
     const EngineState& state = reader_.state();
     if (!compares_ || state.cycle < now_ || (has_state_ && state.cycle == now_)) return true;
     const InputLogHead& head = reader_.head();
-    if (head.version != GODOBJECT_VERSION || head.composition != engine_->composition().name ||
+    if (!is_of_this_build(head) || head.composition != engine_->composition().name ||
         !engine_->restore(state.bytes) || engine_->state_hash() != state.hash) {
-      note("has states of another build (version " + head.version +
+      note("has states of another build (" + build_of(head) + "; this is " + build_of(this_build()) +
            "), so it is replayed from its start only");
       failed_ = true;
       return false;
@@ -146,6 +173,20 @@ class Replay {
     now_ = state.cycle;
     has_state_ = true;
     return true;
+  }
+
+  /// Repeats the rig's part of a cycle. Returns false at a difference.
+  bool step_rig(const CycleRecord& row) {
+    if (!rig_ || !rig_->has_events()) return true;
+    const std::string found = rig_->step(row);
+    if (!found.empty()) show_difference(row.cycle, row.t, found);
+    return found.empty();
+  }
+  /// Repeats the rig's calls after the last row. Returns false.
+  bool end_rig() {
+    const std::string found = rig_ && rig_->has_events() ? rig_->end() : "";
+    if (!found.empty()) show_difference(last_, static_cast<double>(last_) * scene_.step, "after it " + found);
+    return false;
   }
 
   void tell_gap(std::uint64_t last) {
@@ -195,18 +236,37 @@ class Replay {
     const auto recorded = reader_.words();
     const auto [mine, theirs] = std::mismatch(words_.begin() + first, words_.end(), recorded.begin() + first);
     if (mine == words_.end() && record_.state_hash == row.state_hash) return;
-    std::printf("first difference in cycle %llu, t = %.9g s: ", static_cast<unsigned long long>(row.cycle),
-                row.t);
+    std::array<char, 100> values{};
     if (mine != words_.end()) {
       const std::string name =
           output_name(reader_.head().sizes, bodies_, static_cast<std::size_t>(mine - words_.begin()));
-      std::printf("%s is %.17g in the recording, %.17g in the replay\n", name.c_str(),
-                  std::bit_cast<double>(*theirs), std::bit_cast<double>(*mine));
+      std::snprintf(values.data(), values.size(), " is %.17g in the recording, %.17g in the replay",
+                    std::bit_cast<double>(*theirs), std::bit_cast<double>(*mine));
+      show_difference(row.cycle, row.t, name + values.data());
     } else {
-      std::printf("the state hash is %s in the recording, %s in the replay; all outputs are equal\n",
-                  hash_text(row.state_hash).c_str(), hash_text(record_.state_hash).c_str());
+      show_difference(row.cycle, row.t,
+                      "the state hash is " + hash_text(row.state_hash) + " in the recording, " +
+                          hash_text(record_.state_hash) + " in the replay; all outputs are equal");
     }
+  }
+
+  void show_difference(std::uint64_t cycle, double t, const std::string& text) {
+    std::printf("first difference in cycle %llu, t = %.9g s: %s\n", static_cast<unsigned long long>(cycle), t,
+                text.c_str());
     has_ended_ = failed_ = differs_ = true;
+  }
+
+  /// Returns the end of the last line.
+  std::string outcome() {
+    if (!compares_) return "; another scene is not compared";
+    if (differs_) return "";
+    if (!rig_ || !rig_->has_events()) return ", identical";
+    const std::optional<std::uint64_t> missing = rig_->first_missing();
+    if (!missing) return ", identical, also the rig";
+    note(rig_->begins_later() ? "has the inputs of the rig from its middle on, so the rig is not repeated"
+                              : "lacks inputs of the rig after cycle " + std::to_string(*missing - 1));
+    failed_ = failed_ || !rig_->begins_later();
+    return ", identical";
   }
 
   ExitCode end() {
@@ -219,7 +279,7 @@ class Replay {
     }
     std::printf("replayed %llu cycles", static_cast<unsigned long long>(num_cycles_));
     if (num_cycles_ > 0) std::printf(", t = %.9g to %.9g s", first_t_, last_t_);
-    std::printf("%s\n", !compares_ ? "; another scene is not compared" : differs_ ? "" : ", identical");
+    std::printf("%s\n", outcome().c_str());
     return failed_ ? ExitCode::fault : ExitCode::ok;
   }
 
@@ -232,6 +292,7 @@ class Replay {
   std::vector<std::size_t> driven_;
   JointCoordinatesOf joints_;
   bool compares_;  // false for another scene
+  std::optional<RigReplay> rig_;
   std::vector<std::uint64_t> words_;
   CycleRecord record_;
   std::uint64_t now_ = 0, last_ = 0;  // cycle of the engine, and of the latest row
@@ -273,9 +334,9 @@ ExitCode replay(const ReplayOptions& options) {
     return ExitCode::usage;
   }
   const InputLogHead& head = reader.head();
-  if (head.version != GODOBJECT_VERSION)
+  if (!is_of_this_build(head))
     std::fprintf(stderr, "note: %s was recorded by version %s, and this is %s: results may differ\n",
-                 name.c_str(), printable(head.version).c_str(), GODOBJECT_VERSION);
+                 name.c_str(), build_of(head).c_str(), build_of(this_build()).c_str());
   LoadResult recorded = parse_scene_of(head, options.faults);
   if (!recorded.scene) {
     show_errors({name + ": its scene cannot be read:"});

@@ -90,6 +90,8 @@ ExitCode run(RunOptions options) {
     print_lines(stderr, "", {"--seal: the kernel seals no thread: " + why_not});
     return ExitCode::not_available;
   }
+  options.files.scene = options.scene;
+  name_fault_log(options, prepared);
   if (const std::string why_not = make_folders(options); !why_not.empty()) {
     print_lines(stderr, "", {why_not});
     return ExitCode::usage;
@@ -143,7 +145,6 @@ ExitCode run(RunOptions options) {
   }
   std::optional<Nanoseconds> wall_origin_ns;
   if (session.bus() == BusChoice::real && !prepared.log) wall_origin_ns = log_origin_ns();
-  options.files.scene = options.scene;
   RunFiles files(options.files, session.scene(), wall_origin_ns.value_or(0));
   const std::optional<RunResult> result = run_to_end(options, prepared, files, real ? &*real : nullptr, view);
   if (!result) {
@@ -159,8 +160,8 @@ ExitCode run(RunOptions options) {
   const StopSignals closing(
       Suspension::stops);  // The motors are off; files and summary are completed all the same.
   const std::vector<FileLoss> losses = files.close();
-  if (!files.wrote_on_fault()) options.files.on_fault.clear();
   RunReport report = make_report(options, prepared, *result, losses);
+  report.fault_files = files.fault_files();
   report.wall_origin_ns = wall_origin_ns;
   static_cast<void>(make_folders(options));  // some may have been removed during the run
   if (!options.report.empty())
@@ -172,6 +173,18 @@ ExitCode run(RunOptions options) {
   if (!not_shown.empty())
     static_cast<void>(write_whole(STDERR_FILENO, "the summary could not be written: " + not_shown + "\n"));
   return not_shown.empty() && report.faults.empty() ? ExitCode::ok : ExitCode::fault;
+}
+
+/// Sorts the names of --record by their endings: at most one log of frames and one of inputs.
+void take_record(RunFileNames& files, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    std::string& file = is_input_log(name) ? files.inputs : files.record;
+    if (!file.empty())
+      throw CLI::ValidationError("--record", "'" + file + "' and '" + name +
+                                                 "' are of one kind: give one name, or let one end in " +
+                                                 std::string(input_log_ending));
+    file = name;
+  }
 }
 
 }  // namespace
@@ -278,14 +291,24 @@ void add_run_options(CLI::App& verb, RunOptions& options) {
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  verb.add_option("--record", options.files.record,
-                  "write a log of every frame on every bus, in candump's format, or, if the name ends in "
-                  ".godo, all inputs of the engine for godobject replay")
-      ->type_name("FILE");
-  verb.add_option("--on-fault", options.files.on_fault,
-                  "keep the inputs of the last 10 s, at most 64 MB, in memory, and write them at the first "
-                  "fault, for "
-                  "godobject replay; the name ends in .godo")
+  verb.add_option_function<std::vector<std::string>>(
+          "--record",
+          [&options](const std::vector<std::string>& names) { take_record(options.files, names); },
+          "write a log of every frame on every bus, in candump's format, or, if the name ends in .godo, all "
+          "inputs of rig and engine for godobject replay; give it twice for both")
+      ->type_name("FILE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb.add_option_function<std::string>(
+          "--on-fault",
+          [&options](const std::string& name) {
+            options.files.on_fault = name == "none" ? "" : name;
+            options.keeps_faults = name != "none";
+          },
+          "keep the inputs of the last 10 s, at most 64 MB, in memory, and write them at each fault, for "
+          "godobject replay; the name ends in .godo, and later files have numbers. none: write nothing. "
+          "Default: none, but on real buses and trackers a file named by scene and time, beside the "
+          "report, trace or record, or else in this folder")
       ->type_name("FILE");
   verb.add_option("--report", options.report, "write a JSON of everything in the summary, and the histograms")
       ->type_name("FILE");

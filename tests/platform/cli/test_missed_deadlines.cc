@@ -41,6 +41,26 @@ class Watched {
   CycleRecord record;
 };
 
+/// Without a rig they are faults of the run, each an event once.
+TEST(MissedDeadlines, WithoutARigTheyAreAnEventAsIsAnOscillation) {
+  Watched run("rigid.toml", BusChoice::direct);
+  Ring<RunEventMark> marks(16);
+  EventWatch watch(marks);
+  run.cycle->tell(watch);
+  run.periods(10);
+  for (int i = 0; i < 30; ++i) run.period({.skipped = 1, .late_before = true});
+  run.record.force_oscillates = true;
+  watch.look(*run.session, run.record, true);
+  watch.look(*run.session, run.record, true);
+  std::vector<RunFault> seen;
+  for (RunEventMark mark; marks.try_pop(mark);) {
+    EXPECT_EQ(mark.kind, RunEventKind::run_fault);
+    EXPECT_TRUE(is_fault(mark.kind));
+    seen.push_back(mark.run_fault);
+  }
+  EXPECT_EQ(seen, (std::vector{RunFault::deadlines_missed, RunFault::force_oscillates}));
+}
+
 TEST(MissedDeadlines, FourOfThemAreNone) {
   Watched run("rigid.toml", BusChoice::sim);
   run.periods(2000);

@@ -31,7 +31,7 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
   Session::Made made = make_session(*loaded.scene, motion, GetParam().second);
   ASSERT_NE(made.session, nullptr) << made.errors.front();
   RunFileNames names;
-  names.record = "run.godo";
+  names.inputs = "run.godo";
   list_recorded(names, *made.session);
   made.session->start(5);
 

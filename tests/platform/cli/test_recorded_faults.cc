@@ -63,7 +63,7 @@ TEST_F(RecordedFaults, AreRepeatedBitForBit) {
   const ProgramResult again = run_program("replay " + path("run.godo"));
   EXPECT_EQ(again.exit_code, 0) << again.output;
   EXPECT_THAT(again.output, testing::HasSubstr("replayed " + report["cycles"].dump() + " cycles"));
-  EXPECT_THAT(again.output, testing::HasSubstr("identical"));
+  EXPECT_THAT(again.output, testing::HasSubstr("identical, also the rig\n"));
 }
 
 /// Pauses between boots pass in simulated time, so the bus is on again after some of them.
@@ -79,6 +79,47 @@ TEST_F(RecordedFaults, HostIsArmedAgainAfterItsBusIsOn) {
   ASSERT_FALSE(recovery["recovered_after_s"].is_null()) << recovery["boots"] << " boots";
   EXPECT_GE(recovery["recovered_after_s"], 2);
   EXPECT_LE(recovery["recovered_after_s"], 2 + 2) << "the longest pause, and a boot";
+}
+
+/// A fault within a second of the one before is in its file.
+TEST_F(RecordedFaults, EachHasAFileOfTheSecondsBefore) {
+  std::string text = two_joints_toml;
+  for (const double at_s : {3.0, 6.0, 18.0}) text += table_of("drop bus=can0 node=1", at_s);
+  const ProgramResult run =
+      run_program("run " + write("scene.toml", text) + " --fast --rearm auto --duration 22 --on-fault " +
+                  path("fault.godo") + " --report " + path("report.json"));
+  EXPECT_EQ(run.exit_code, 1);
+  const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
+  ASSERT_TRUE(report.is_object()) << run.output;
+  const nlohmann::json& files = report["files"]["on_fault"];
+  ASSERT_EQ(files.size(), 3u) << run.output;
+  const double kept_s[] = {3, 6, 10};
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = path(i == 0 ? "fault.godo" : "fault-" + std::to_string(i + 1) + ".godo");
+    EXPECT_EQ(files[i]["path"], name);
+    EXPECT_NEAR(files[i]["kept_s"].get<double>(), kept_s[i], 1.1);
+    EXPECT_GE(files[i]["kept_s"].get<double>(), std::min(kept_s[i], 10.0));
+    EXPECT_EQ(files[i]["is_bounded"], false);
+    EXPECT_THAT(run.output, testing::HasSubstr(" kept in " + name + "; godobject replay repeats them"));
+    EXPECT_THAT(run.output, testing::ContainsRegex("file +" + name + ", [0-9.]+ s before a fault"));
+    const ProgramResult again = run_program("replay " + name);
+    EXPECT_EQ(again.exit_code, 0) << again.output;
+    // The first ten seconds of a run have the start of the rig.
+    EXPECT_THAT(again.output, testing::HasSubstr(i < 2 ? "identical, also the rig\n" : "identical\n"));
+  }
+}
+
+TEST_F(RecordedFaults, HaveTenFilesAtMost) {
+  std::string text = two_joints_toml;
+  for (int i = 0; i < 14; ++i) text += table_of("drop bus=can0 node=1", 2 + 3 * i);
+  const ProgramResult run =
+      run_program("run " + write("scene.toml", text) + " --fast --rearm auto --duration 45 --on-fault " +
+                  path("fault.godo") + " --report " + path("report.json"));
+  const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
+  ASSERT_TRUE(report.is_object()) << run.output;
+  EXPECT_EQ(report["files"]["on_fault"].size(), 10u);
+  EXPECT_THAT(run.output, testing::HasSubstr("fault-10.godo; no further file is written"));
+  EXPECT_FALSE(std::filesystem::exists(path("fault-11.godo")));
 }
 
 }  // namespace

@@ -20,8 +20,9 @@ class ReplayTest : public ProgramTest {
   /// Runs a scene into run.godo and run.csv.
   void record(const std::string& scene, const std::string& options) {
     ProgramResult result;
-    run_unless_held(scene + " --quiet --record " + path("run.godo") + " --trace " + path("run.csv") + " " + options,
-                    path("run.json"), result);
+    run_unless_held(
+        scene + " --quiet --record " + path("run.godo") + " --trace " + path("run.csv") + " " + options,
+        path("run.json"), result);
     EXPECT_EQ(result.exit_code, 0) << scene << " " << options << "\n" << result.output;
   }
   ProgramResult replay(const std::string& options = "", const std::string& file = "run.godo") {
@@ -29,11 +30,16 @@ class ReplayTest : public ProgramTest {
   }
 
   /// Copies run.godo row by row into edited.godo. edit: changes a row; returns false to leave it out.
-  void rewrite(const std::function<bool(CycleRecord&)>& edit, const std::string& version = "") {
+  /// edit_link: likewise with the events of the rig.
+  void rewrite(
+      const std::function<bool(CycleRecord&)>& edit, const std::string& version = "",
+      const std::function<bool(LinkEvent&)>& edit_link = [](LinkEvent&) { return true; },
+      const std::string& revision = "") {
     const std::string bytes = read_file(path("run.godo"));
     InputLogReader reader(bytes);
     InputLogHead head = reader.head();
     if (!version.empty()) head.version = version;
+    if (!revision.empty()) head.revision = revision;
     std::string out;
     InputLogWriter writer(head, reader.start(),
                           [&](const InputLogWriter::Chunk& chunk) { out += chunk.bytes; });
@@ -41,7 +47,10 @@ class ReplayTest : public ProgramTest {
       ASSERT_NE(item, InputLogReader::Item::cut);
       CycleRecord row = reader.row();
       if (item == InputLogReader::Item::state) writer.add(reader.state());
-      else if (edit(row)) writer.add(row);
+      else if (item == InputLogReader::Item::row && edit(row)) writer.add(row);
+      if (item != InputLogReader::Item::links) continue;
+      for (LinkEvent event : reader.links())
+        if (edit_link(event)) writer.add(event);
     }
     writer.flush();
     write("edited.godo", out + InputLogWriter::end_of(0));
@@ -58,7 +67,13 @@ TEST_P(EveryRun, IsRepeatedWithAnEqualTrace) {
   record(std::string("sim/scenes/") + GetParam().scene + ".toml", GetParam().options);
   const ProgramResult result = replay("--trace " + path("again.csv"));
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  EXPECT_THAT(result.output, ContainsRegex("^replayed [0-9]+ cycles, t = 0.00[0-9]+ to .* s, identical\n$"));
+  const bool has_rig =
+      std::string(GetParam().options).find("direct") == std::string::npos &&
+      read_file(GODOBJECT_SOURCE_DIR "/sim/scenes/" + std::string(GetParam().scene) + ".toml")
+              .find("[[bus]]") != std::string::npos;
+  EXPECT_THAT(result.output,
+              ContainsRegex(std::string("^replayed [0-9]+ cycles, t = 0.00[0-9]+ to .* s, identical") +
+                            (has_rig ? ", also the rig\n$" : "\n$")));
   EXPECT_TRUE(read_file(path("run.csv")) == read_file(path("again.csv")));
 }
 
@@ -162,6 +177,96 @@ TEST_F(ReplayTest, TheFirstDifferenceIsNamed) {
   });
   result = replay("", "edited.godo");
   EXPECT_THAT(result.output, HasSubstr("first difference in cycle 900, t = 0.9 s: the state hash is "));
+}
+
+/// The rig is stepped with the recorded results of its buses, not copied from the rows.
+TEST_F(ReplayTest, TheFirstDifferenceOfTheRigIsNamed) {
+  record("sim/scenes/rigid.toml", "--duration 1.5");
+  const auto keep = [](CycleRecord&) { return true; };
+  const auto found = [this] {
+    const ProgramResult result = replay("", "edited.godo");
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.output, Not(HasSubstr("identical")));
+    return result.output;
+  };
+  rewrite([](CycleRecord& row) {
+    if (row.cycle == 321) row.drive_torque[1] += 1e-12;
+    return true;
+  });
+  EXPECT_THAT(found(), ContainsRegex("first difference in cycle 321, t = 0.321 s: drive\\..*\\.torque is "));
+  rewrite([](CycleRecord& row) {
+    if (row.cycle == 322) row.rig_faults = RigFault::bus_down;
+    return true;
+  });
+  EXPECT_THAT(found(), HasSubstr("first difference in cycle 322, t = 0.322 s: rig_fault is "));
+
+  std::uint64_t cycle = 0;
+  bool is_edited = false;
+  // Edits the first event of a kind from the command of cycle 500 on.
+  const auto edit_from_500 = [&](auto edit) {
+    cycle = 0;
+    is_edited = false;
+    rewrite(keep, "", [&, edit](LinkEvent& event) {
+      cycle = std::max<std::uint64_t>(cycle, event.cycle);
+      return cycle != 500 || is_edited || edit(event);
+    });
+    EXPECT_TRUE(is_edited);
+  };
+  edit_from_500([&](LinkEvent& event) {
+    is_edited = event.kind == LinkEvent::Kind::received && event.frame.id == 0x181;
+    if (is_edited) event.frame.data[0] ^= 1;
+    return true;
+  });
+  EXPECT_THAT(found(), ContainsRegex("first difference in cycle 501, t = 0.501 s: device\\..*\\.q is "));
+  edit_from_500([&](LinkEvent& event) {
+    is_edited = event.kind == LinkEvent::Kind::call;
+    if (is_edited) ++event.sent;
+    return true;
+  });
+  EXPECT_THAT(found(), HasSubstr("first difference in cycle 500, t = 0.5 s: the frames that the rig sends"));
+  edit_from_500([&](LinkEvent& event) {
+    is_edited = event.kind == LinkEvent::Kind::call;
+    if (is_edited) event.rig_state = RigState::hold;
+    return true;
+  });
+  EXPECT_THAT(found(), HasSubstr("the state of the rig is hold in the recording, armed in the replay"));
+  edit_from_500([&](LinkEvent& event) { return !(is_edited = event.kind == LinkEvent::Kind::waited); });
+  EXPECT_THAT(found(), HasSubstr("first difference in cycle 501, t = 0.501 s: the order of the rig's calls"));
+}
+
+TEST_F(ReplayTest, MissingInputsOfTheRigAreNamed) {
+  record("sim/scenes/rigid.toml", "--duration 1.5");
+  std::string file = read_file(path("run.godo"));
+  // Damages the second chunk of events.
+  std::size_t at = 0;
+  for (int chunks = 0; chunks < 2; ++chunks) at = file.find(std::string("CHNK\5\0\0\0", 8), at + 1);
+  ASSERT_NE(at, std::string::npos);
+  file[at + 30] ^= 1;
+  write("damaged.godo", file);
+  const ProgramResult result = replay("", "damaged.godo");
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  EXPECT_THAT(result.output, ContainsRegex("lacks inputs of the rig after cycle [0-9]+\n"));
+  EXPECT_THAT(result.output, ContainsRegex("to 1.5 s, identical\n"));
+}
+
+TEST_F(ReplayTest, AFileWithoutInputsOfTheRigIsRepeatedAsBefore) {
+  record("sim/scenes/rigid.toml", "--duration 1.5");
+  rewrite([](CycleRecord&) { return true; }, "", [](LinkEvent&) { return false; });
+  const ProgramResult result = replay("", "edited.godo");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("to 1.5 s, identical\n"));
+}
+
+TEST_F(ReplayTest, AnotherRevisionIsNamed) {
+  record("sim/scenes/rigid.toml", "--duration 1.5");
+  rewrite([](CycleRecord&) { return true; }, "", [](LinkEvent&) { return true; }, "0123456789ab");
+  ProgramResult result = replay("--from 1.2", "edited.godo");
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  EXPECT_THAT(result.output,
+              ContainsRegex("was recorded by version [0-9.]+, revision 0123456789ab, and this is "));
+  EXPECT_THAT(result.output, HasSubstr("states of another build"));
+  result = replay("--from 1.2");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
 }
 
 TEST_F(ReplayTest, AnotherVersionIsNamed) {

@@ -178,6 +178,72 @@ TEST(InputLog, OtherFilesAreRefused) {
   EXPECT_NE(InputLogReader("godolog1").why_not().find("cut at its beginning"), std::string::npos);
 }
 
+/// Events of each kind, as a rig on two buses has them.
+std::vector<LinkEvent> link_events() {
+  using Kind = LinkEvent::Kind;
+  CanFrame frame{.id = 0x1FFF'FFFF, .extended = true, .fd = true, .bit_rate_switch = true, .size = 64};
+  frame.data.fill(0xA5);
+  const Nanoseconds t = 1'700'000'000'000'000'000;
+  return {{.kind = Kind::live, .bus = 1, .value = 0, .results = 300},
+          {.kind = Kind::call,
+           .value = 1,
+           .call = RigCall::command,
+           .rig_state = RigState::armed,
+           .sent = 0xFEDC'BA98,
+           .cycle = 70'000},
+          {.kind = Kind::began, .t_ns = t},
+          {.kind = Kind::received, .bus = 1, .results = 2, .t_ns = t - 5, .frame = frame},
+          {.kind = Kind::received, .t_ns = t + 7, .frame = {.id = 0x181, .remote = true, .size = 0}},
+          {.kind = Kind::waited, .t_ns = t + 1'000'000},
+          {.kind = Kind::refused, .bus = 0, .value = 1},
+          {.kind = Kind::state, .bus = 1, .value = 4}};
+}
+
+void expect_equal(const LinkEvent& a, const LinkEvent& b) {
+  EXPECT_TRUE(a.kind == b.kind && a.bus == b.bus && a.value == b.value && a.call == b.call &&
+              a.rig_state == b.rig_state && a.sent == b.sent && a.cycle == b.cycle &&
+              a.results == b.results && a.t_ns == b.t_ns)
+      << static_cast<int>(b.kind);
+  EXPECT_TRUE(a.frame.id == b.frame.id && a.frame.extended == b.frame.extended &&
+              a.frame.remote == b.frame.remote && a.frame.fd == b.frame.fd &&
+              a.frame.bit_rate_switch == b.frame.bit_rate_switch && a.frame.size == b.frame.size &&
+              a.frame.data == b.frame.data);
+}
+
+TEST(InputLog, EventsOfTheRigComeBeforeTheirRows) {
+  const std::vector<LinkEvent> events = link_events();
+  std::string file;
+  InputLogHead head = head_of_test();
+  head.revision = "0123456789ab+cdef0123";
+  head.device_start = {0.25, -0.0};
+  InputLogWriter writer(head, record_at(0), [&](const InputLogWriter::Chunk& chunk) { file += chunk.bytes; });
+  constexpr std::uint64_t cycles = 3000;  // more than a chunk of events
+  for (std::uint64_t cycle = 1; cycle <= cycles; ++cycle) {
+    for (const LinkEvent& event : events) writer.add(event);
+    writer.add(record_at(cycle));
+  }
+  writer.flush();
+  file += InputLogWriter::end_of(0);
+
+  InputLogReader reader(file);
+  EXPECT_EQ(reader.head().revision, head.revision);
+  EXPECT_EQ(reader.head().device_start, head.device_start);
+  std::uint64_t num_events = 0, num_rows_read = 0;
+  for (auto item = reader.next(); item != InputLogReader::Item::end; item = reader.next()) {
+    ASSERT_NE(item, InputLogReader::Item::cut);
+    if (item == InputLogReader::Item::row) {
+      ++num_rows_read;
+      EXPECT_GE(num_events, events.size() * num_rows_read);
+      continue;
+    }
+    EXPECT_EQ(reader.first_link(), num_events);
+    for (const LinkEvent& event : reader.links()) expect_equal(event, events[num_events++ % events.size()]);
+  }
+  EXPECT_EQ(num_events, cycles * events.size());
+  EXPECT_EQ(num_rows_read, cycles);
+  EXPECT_EQ(reader.damaged_bytes(), 0u);
+}
+
 TEST(LastChunks, KeepTheLastRowsAfterAState) {
   const InputLogSizes sizes = sizes_of(record_at(0));
   LastChunks last(sizes, 80, 2000, 1000);
@@ -210,7 +276,21 @@ TEST(LastChunks, MoreThanTheMemoryHoldsIsNotKept) {
   LastChunks last({.bodies = 1}, 8, 1, 1);
   const std::string large(LastChunks::max_bytes + 1, 'x');
   last.add({.bytes = "state", .num_rows = 0, .is_state = true});
+  EXPECT_FALSE(last.is_bounded());
   last.add({.bytes = large, .num_rows = 9, .is_state = false});
+  EXPECT_EQ(last.num_rows(), 0u);
+  EXPECT_TRUE(last.is_bounded());
+}
+
+TEST(LastChunks, FewerRowsThanWantedAreReported) {
+  constexpr std::size_t state_bytes = 40u << 20;
+  LastChunks last({.bodies = 1}, state_bytes, 10, 1);
+  const std::string state(state_bytes, 'x');
+  last.add({.bytes = state, .num_rows = 0, .is_state = true});
+  last.add({.bytes = "row", .num_rows = 1, .is_state = false});
+  EXPECT_FALSE(last.is_bounded());
+  last.add({.bytes = state, .num_rows = 0, .is_state = true});
+  EXPECT_TRUE(last.is_bounded());
   EXPECT_EQ(last.num_rows(), 0u);
 }
 
