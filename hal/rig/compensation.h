@@ -1,4 +1,4 @@
-// Torques of the drives for the device itself: they carry its weight and overcome its friction.
+// Torques of the drives for the device itself: they carry its weight, overcome its friction and move its mass.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,17 @@ struct CompensationParams {
   // By joint; missing ones are zero:
   std::vector<double> friction{};       // torque along the motion, N m or N; at most the joint's own friction
   std::vector<double> certain_speed{};  // speed from which all of it acts, rad/s or m/s, > 0
+  std::vector<double> inertia{};        // moved by the drives, kg m^2 or kg; below the joint's own
+  double inertia_cutoff = 1;            // of the acceleration that they follow, rad/s, > 0
   double ahead_s = 0;                   // handles are predicted over this time, s, >= 0
 };
 
-/// Returns the compensating torques of the joints, N m or N. at: the device's configuration.
+/// Returns the inertia of a joint that its drive moves, kg m^2 or kg.
+inline double carried_inertia(const CompensationParams& params, std::size_t joint) noexcept {
+  return joint < params.inertia.size() ? params.inertia[joint] : 0;
+}
+
+/// Returns the torques of the joints for weight and friction, N m or N. at: the device's configuration.
 ///
 /// Friction f of the device removes the power f |q'|, and its compensation adds no more than its share of f,
 /// |q'| times. So the pair dissipates, however late or wrong the measured q' is.

@@ -20,6 +20,7 @@ struct PassivityParams {
   int delay = 1;           // whole periods from the sample to its torque, >= 0
   int acts_after = 1;      // whole periods from sending a torque to its effect, 0 to max_acts_after
   double energy_J = 1e-5;  // generated energy at which the controller acts fully; 0: no controller
+  double carried = 0;      // inertia m_c that the drive moves for the hand, kg m^2 or kg, >= 0
 
   static constexpr int max_acts_after = 6;
 
@@ -32,12 +33,14 @@ struct PassivityParams {
 /// The observer compares the work of the sent torque with that of the wanted torque acting without delay,
 /// by the trapezoidal rule between samples. The difference is generated energy, from which the device's own
 /// damping removes b dq^2 / T. Dissipated energy is not stored, so that a long dissipative past
-/// permits no burst. The energy of the simulated scene itself is in both and cancels.
+/// permits no burst. The energy of the simulated scene itself is in both and cancels. Torques that move the
+/// device's own inertia may have put in m_c q'^2 / 2, which the hand returns when it stops the device.
 ///
 /// With generated energy the controller displays a softened torque and adds damping. The softened torque
 /// follows changes of the wanted one as a spring of `soft_stiffness` at most, which is passive at this period
 /// and delay. It converges to the wanted torque within `relaxation_s`, so that rest and slow motion feel the
-/// whole stiffness. Without generated energy the wanted torque is returned unchanged.
+/// whole stiffness. Torques that move inertia fade by the controller's share. Without generated energy the
+/// wanted torque is returned unchanged.
 class PassivityController {
  public:
   // Softened stiffness in m / ((d + 1) T)^2 and its damping in m / ((d + 1) T).
@@ -64,21 +67,22 @@ class PassivityController {
   /// Forgets all samples and energy, for an axis without torque.
   void reset() noexcept { *this = PassivityController(params_); }
 
-  /// Returns the torque to send instead of `wanted`, at the joint. q: last sample of the joint coordinate.
-  /// is_new: false if the sample was returned before, or is not valid. Call it once a period, then sent().
-  double limit(double wanted, double q, bool is_new) noexcept {
-    if (!params_.is_active()) return wanted;
+  /// Returns the torque to send instead of `wanted + moving`, at the joint. q: last sample of the joint
+  /// coordinate. is_new: false if the sample was returned before, or is not valid. moving: torque that moves
+  /// the carried inertia. Call it once a period, then sent().
+  double limit(double wanted, double q, bool is_new, double moving = 0) noexcept {
+    if (!params_.is_active()) return wanted + moving;
     ++periods_;
     work_rate_ += sent_[next_];
     if (!has_sample_) start(wanted, q);
     else if (is_new) observe(wanted, q);
     share_ *= 1 - params_.period_s / release_s;
-    share_ = std::max(share_, std::min(1.0, energy_J_ / params_.energy_J));
+    share_ = std::max(share_, std::min(1.0, energy_J() / params_.energy_J));
     const double soft = soften(wanted);
     wanted_ = wanted;
-    if (share_ < least_share) return wanted;
+    if (share_ < least_share) return wanted + moving;
     const double torque = wanted + share_ * (soft - wanted - (wanted != 0 ? soft_damping_ * q_dot_ : 0));
-    return torque * wanted < 0 ? 0 : torque;
+    return (torque * wanted < 0 ? 0 : torque) + (1 - share_) * moving;
   }
 
   /// Records the torque that was sent after all limits, at the joint.
@@ -88,7 +92,7 @@ class PassivityController {
   }
 
   /// Returns the generated energy that is not yet dissipated, J.
-  double energy_J() const noexcept { return energy_J_; }
+  double energy_J() const noexcept { return std::max(0.0, added_J_ - lent_J()); }
   /// Returns the present share of the softened torque, 0 (idle) to 1.
   double share() const noexcept { return share_ < least_share ? 0 : share_; }
 
@@ -115,13 +119,19 @@ class PassivityController {
     const double dq = q - q_;
     const double time_s = periods_ * params_.period_s;
     const double acted = work_rate_ / periods_;
-    const double excess = energy_J_ - remembered * params_.energy_J;
-    if (excess > 0) energy_J_ -= excess * std::min(1.0, time_s / forgotten_s);
-    energy_J_ += (acted - 0.5 * (wanted + wanted_at_q_)) * dq - params_.damping * dq * dq / time_s;
-    energy_J_ = std::max(energy_J_, 0.0);
+    const double excess = energy_J() - remembered * params_.energy_J;
+    if (excess > 0) added_J_ -= excess * std::min(1.0, time_s / forgotten_s);
+    added_J_ += (acted - 0.5 * (wanted + wanted_at_q_)) * dq - params_.damping * dq * dq / time_s;
+    added_J_ = std::max(added_J_, 0.0);
     q_dot_ += velocity_weight * (dq / time_s - q_dot_);
     moved_ += std::abs(dq);
     sample(wanted, q);
+  }
+
+  /// Returns m_c q'^2 / 2 at the largest speed within the resolution of a mean over a period.
+  double lent_J() const noexcept {
+    const double speed = std::abs(q_dot_) + 0.5 * params_.resolution / params_.period_s;
+    return 0.5 * params_.carried * square(speed);
   }
 
   /// Moves the softened torque with the wanted one, as far as the axis has moved, and towards it by its rate.
@@ -143,7 +153,8 @@ class PassivityController {
   bool has_sample_ = false;
   double q_ = 0, q_dot_ = 0, moved_ = 0;
   double wanted_ = 0, wanted_at_q_ = 0;  // in the last period, at the last new sample
-  double soft_ = 0, energy_J_ = 0, share_ = 0;
+  double soft_ = 0, share_ = 0;
+  double added_J_ = 0;    // energy added to the axis and neither dissipated nor returned
   double work_rate_ = 0;  // sum of the torques that acted since the last new sample
   int periods_ = 0;       // number of them
   std::array<double, PassivityParams::max_acts_after + 1> sent_{};  // ring of acts_after + 1 torques

@@ -82,13 +82,20 @@ bool Rig::request_answers(std::size_t bus, Nanoseconds now) noexcept {
   return queued;
 }
 
-/// Plans the command of a drive. Its passivity controller acts on the displayed torque while torque follows
-/// command() and restarts otherwise, because a torque that runs down is no feedback.
+/// Plans the command of a drive. Its passivity controller acts on the torques for the hand and the carried
+/// inertia while torque follows command(). It restarts otherwise, because a torque that runs down is no
+/// feedback.
 DriveCommand Rig::plan(DriveOnBus& drive, double tau_shown, double tau_compensating,
                        Nanoseconds now) noexcept {
   const Measured& measured = measured_[static_cast<std::size_t>(drive.joint)];
-  if (torque_output() != TorqueOutput::normal) drive.passivity.reset();
-  else tau_shown = drive.passivity.limit(tau_shown, measured.q, measured.valid && measured.reads_ago == 0);
+  if (torque_output() != TorqueOutput::normal) {
+    drive.passivity.reset();
+    drive.inertia.reset();
+  } else {
+    const bool is_new = measured.valid && measured.reads_ago == 0;
+    const double moving = drive.inertia.update(measured.q, is_new, measured.valid);
+    tau_shown = drive.passivity.limit(tau_shown, measured.q, is_new, moving);
+  }
   return drive.drive.plan(tau_shown + tau_compensating, goal(), now);
 }
 

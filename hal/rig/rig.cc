@@ -62,6 +62,9 @@ Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses
                        .delay = delay_within(params, cycle_s, drive.status_every_nth_sync),
                        .motor_per_joint = drive.sign * drive.joint_per_motor_rad,
                        .max_slip = allowed_slip(params, drive)});
+    const CompensationParams& own = params.compensation;
+    drives_.back().inertia = InertiaCompensation(
+        carried_inertia(own, static_cast<std::size_t>(drives_.back().joint)), own.inertia_cutoff, cycle_s);
   }
   add_buttons();
   // an encoder on the joint takes precedence over the drive's position

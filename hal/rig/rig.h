@@ -22,6 +22,7 @@
 #include "hal/joint/sync_attribution.h"
 #include "hal/joint/transmission.h"
 #include "hal/rig/fault.h"
+#include "hal/rig/inertia_compensation.h"
 #include "hal/rig/node.h"
 #include "hal/rig/passivity_controller.h"
 #include "hal/rig/supervisor.h"
@@ -134,8 +135,7 @@ class Rig {
   /// Returns the text of the set faults, one line per place, in the order in which they were raised: name,
   /// bus, node, meaning, remedy. Not for the loop: allocates.
   std::string fault_text() const;
-  /// Returns a place: "can0 node 4, drive of elbow". Thread-safe: it depends on the parameters only.
-  /// Allocates.
+  /// Returns a place: "can0 node 4, drive of elbow". Thread-safe: depends on parameters only. Allocates.
   std::string place_text(const RigFaultRecord& record) const;
   const RigCounters& counters() const noexcept { return counters_; }
 
@@ -194,6 +194,7 @@ class Rig {
     std::uint32_t error_code_before = 0;       // error code at that time
     std::optional<Nanoseconds> t_failed_ns{};  // since then it has been in fault or without power
     PassivityController passivity{};
+    InertiaCompensation inertia{};
   };
   struct ButtonOnBus {
     ButtonParams params;

@@ -65,9 +65,12 @@ struct SpaceMouseConfig {
 
 /// Compensation of the device's own mechanics by its drives.
 struct CompensationConfig {
-  bool gravity = false;  // they carry its links
-  double friction = 0;   // share of its Coulomb friction that they overcome, 0 to 1
-  double ahead_s = 0;    // time over which the handles are predicted, s
+  bool gravity = false;          // they carry its links
+  double friction = 0;           // share of its Coulomb friction that they overcome, 0 to 1
+  double inertia = 0;            // share of its inertia that they move, 0 to max_inertia_share
+  double inertia_cutoff_Hz = 5;  // up to which they do
+  double ahead_s = 0;            // time over which the handles are predicted, s
+  static constexpr double max_inertia_share = 0.9;
 };
 
 struct DeviceConfig {

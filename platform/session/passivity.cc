@@ -1,10 +1,7 @@
 #include "platform/session/passivity.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <numbers>
 
 #include "hal/drive/link.h"
 #include "hal/joint/inverse_kinematics.h"
@@ -15,30 +12,6 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 
 constexpr double stable_growth = 1 + 1e-6;  // 1 plus rounding: a free mass neither grows nor decays
-
-/// Computes exp(A) by scaling and squaring, with two terms of the Taylor series.
-Matrix exponential(Matrix A) {
-  const int halvings = std::max(0, std::ilogb(A.norm()) + 16);
-  A /= std::exp2(halvings);
-  Matrix E = A + A.lazyProduct(A) / 2;  // exp(A) - 1, which keeps small terms
-  for (int i = 0; i < halvings; ++i) E = (2 * E + E.lazyProduct(E)).eval();
-  return Matrix::Identity(A.rows(), A.cols()) + E;
-}
-
-/// Returns the largest absolute eigenvalue, the limit of |A^n|^(1/n), at n = 2^40 by squaring. Eigen's
-/// solvers of eigenvalues cost 12 s of each compilation.
-double spectral_radius(Matrix A) {
-  double log_radius = 0, share = 1;
-  for (int squarings = 0; squarings < 40; ++squarings) {
-    const double size = A.norm();
-    if (!(size > 0)) return size;
-    log_radius += share * std::log(size);
-    share /= 2;
-    A /= size;
-    A = A.lazyProduct(A).eval();
-  }
-  return std::exp(log_radius);
-}
 
 /// Returns a handle's gains in joint coordinates, J^T G J.
 Matrix at_joints(const HandleJacobian& J, double rotational, double translational) {
@@ -83,26 +56,6 @@ double largest_share(const Matrix& needed, const Matrix& damping) {
   return spectral_radius(factor.matrixL().solve(Matrix(half.transpose())));
 }
 
-template <class... Args>
-std::string formatted(const char* format, Args... args) {
-  std::array<char, 320> text{};
-  std::snprintf(text.data(), text.size(), format, args...);
-  return text.data();
-}
-
-const char* damping_unit(const JointMargin& joint) { return joint.hinge ? "N m s/rad" : "N s/m"; }
-
-/// Returns the gain to lower, and the percentage that remains.
-std::string remedy(const SampledAxis& axis) {
-  const double of_spring = axis.needed() - std::abs(axis.B);
-  const double left = axis.damping - of_spring;
-  if (left > 0 || of_spring == 0)
-    return formatted("lower the feedback's damping to %.3g %% of its present value",
-                     std::floor(1000 * std::max(left, 0.0) / std::abs(axis.B)) / 10);
-  return formatted("set the feedback's damping to 0 and lower its stiffness to %.3g %% of its present value",
-                   std::floor(1000 * axis.damping / of_spring) / 10);
-}
-
 /// Returns the stiffness that the compensation of weight adds to the joints, -d tau / dq of (weight_torques).
 /// The weight itself has the opposite one, without delay.
 Matrix weight_stiffness(const RigParams& rig, const JointVector& q) {
@@ -122,42 +75,6 @@ Matrix weight_stiffness(const RigParams& rig, const JointVector& q) {
 
 }  // namespace
 
-double SampledAxis::needed() const noexcept { return K * period_s * (0.5 + delay) + std::abs(B); }
-
-// State: q_k, q'_k, q_(k-1), and the pending torques u_(k-1) ... u_(k-delay).
-double growth_per_period(const SampledAxis& axis, double hand_stiffness, double hand_damping) {
-  const double T = axis.period_s, m = axis.inertia;
-  Matrix A = Matrix::Zero(3, 3);  // matrix of q, q', u over a period
-  A(0, 1) = T;
-  A(1, 0) = -T * hand_stiffness / m;
-  A(1, 1) = -T * (axis.damping + hand_damping) / m;
-  A(1, 2) = T / m;
-  const Matrix E = exponential(A);
-
-  const Eigen::Index n = 3 + axis.delay;
-  Matrix u_k = Matrix::Zero(1, n);  // torque commanded from sample k
-  u_k(0, 0) = -axis.K - axis.B / T;
-  u_k(0, 2) = axis.B / T;
-  Matrix applied = Matrix::Zero(1, n);
-  if (axis.delay == 0) applied = u_k;
-  else applied(0, n - 1) = 1;
-
-  Matrix step = Matrix::Zero(n, n);
-  step.topLeftCorner(2, 2) = E.topLeftCorner(2, 2);
-  step.topRows(2) += E.block(0, 2, 2, 1) * applied;
-  step(2, 0) = 1;
-  if (axis.delay > 0) step.row(3) = u_k;
-  for (Eigen::Index i = 4; i < n; ++i) step(i, i - 1) = 1;
-  return spectral_radius(step);
-}
-
-// Root of z^(d+1) (z - 1) + beta (z + 1) / 2 on the unit circle, beta = B T / m. There z = exp(i a) with a (d
-// + 1) = pi/2 (odd), i.e. a = pi / (2 (d + 1)), and beta = 2 tan(a / 2).
-double largest_stable_damping(double inertia, double period_s, int delay) {
-  const double a = std::numbers::pi / (2 * (delay + 1));
-  return 2 * std::tan(a / 2) * inertia / period_s;
-}
-
 Passivity passivity(const SceneConfig& scene, const JointVector& q) {
   Passivity result;
   if (!scene.device || !scene.device->rig) return result;
@@ -173,7 +90,7 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
   B += rig.compensation.ahead_s * K;
   const Matrix of_weight = weight_stiffness(rig, q);
   K += of_weight;
-  if (K.isZero(0) && B.isZero(0)) return result;
+  if (K.isZero(0) && B.isZero(0) && rig.compensation.inertia.empty()) return result;
   const Transmission transmission(rig.transmissions, rig.tree.joints);
   const auto at_actuators = [&](double JointPlant::*number) {
     Matrix A = Matrix::Zero(num_joints, num_joints);
@@ -199,7 +116,9 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
                                 .K = K(j, j),
                                 .B = B(j, j),
                                 .period_s = scene.step,
-                                .delay = delay_of(rig, drive)},
+                                .delay = delay_of(rig, drive),
+                                .carried = carried_inertia(rig.compensation, static_cast<std::size_t>(j)),
+                                .cutoff = rig.compensation.inertia_cutoff},
                        .K_weight = K_weight(j, j)};
     margin.stable_alone = growth_per_period(margin.axis, -margin.K_weight) <= stable_growth;
     margin.stable_held =
@@ -207,11 +126,15 @@ Passivity passivity(const SceneConfig& scene, const JointVector& q) {
     result.joints.push_back(margin);
     driven.push_back(j);
   }
+  if (driven.empty()) return result;
   int delay = 0;
   for (const JointMargin& joint : result.joints) delay = std::max(delay, joint.axis.delay);
-  if (driven.empty()) return result;
-  result.worst_direction = largest_share(
-      scene.step * (0.5 + delay) * K(driven, driven) + Matrix(B(driven, driven)), D(driven, driven));
+  Matrix needed = scene.step * (0.5 + delay) * K(driven, driven) + Matrix(B(driven, driven));
+  for (std::size_t i = 0; i < driven.size(); ++i) {
+    const auto at_drive = static_cast<Eigen::Index>(i);
+    needed(at_drive, at_drive) += result.joints[i].axis.needed_for_inertia();
+  }
+  result.worst_direction = largest_share(needed, D(driven, driven));
   return result;
 }
 
@@ -233,7 +156,8 @@ std::vector<PassivityParams> passivity_controllers(const SceneConfig& scene, con
                       .delay = axis.delay,
                       // without SYNC a command acts within its period
                       .acts_after = bus_protocol(drive.protocol).canopen ? 1 : 0,
-                      .energy_J = scene.device->controls_passivity ? PassivityParams{}.energy_J : 0};
+                      .energy_J = scene.device->controls_passivity ? PassivityParams{}.energy_J : 0,
+                      .carried = axis.carried};
   }
   return controllers;
 }
@@ -247,57 +171,6 @@ JointVector joints_at_start(const SceneConfig& scene, const Motion& motion) {
   if (!ik.invertible() || targets.empty())
     return JointVector::Zero(static_cast<Eigen::Index>(tree.joints.size()));
   return ik.solve(motion.target(targets.front().value_or(0), 0).X_WD).q;
-}
-
-std::vector<std::string> passivity_table(const Passivity& passivity) {
-  if (passivity.joints.empty()) return {};
-  std::vector<std::string> lines{
-      "# passivity of the driven axes at the start: b > K (T/2 + t_d) + |B|, see docs/theory/passivity.md",
-      formatted("#   %-16s %10s %10s %8s %10s %10s %10s  %s", "joint", "K", "B", "t_d ms", "needed", "b",
-                "margin", "verdict")};
-  for (const JointMargin& joint : passivity.joints) {
-    const SampledAxis& axis = joint.axis;
-    const char* const verdict = axis.passive()       ? "passive"
-                                : joint.stable_alone ? "stable, not passive"
-                                : joint.stable_held  ? "stable only in a hand"
-                                                     : "unstable";
-    lines.push_back(formatted("#   %-16s %10.3g %10.3g %8.3g %10.3g %10.3g %+10.3g  %s", joint.joint.c_str(),
-                              axis.K, axis.B, 1e3 * axis.period_s * axis.delay, axis.needed(), axis.damping,
-                              axis.margin(), verdict));
-  }
-  if (passivity.joints.size() > 1)
-    lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the present damping",
-                              passivity.worst_direction));
-  lines.push_back(
-      "#   K, B: the feedback's gains at the joint, N m/rad and N m s/rad, of a slider N/m and N s/m; t_d: "
-      "from "
-      "a sample to its torque");
-  lines.push_back(
-      "#   b: damping of the device without a hand, from [device.plant]; of a real device, measure it and "
-      "enter it there");
-  return lines;
-}
-
-std::vector<std::string> passivity_warnings(const Passivity& passivity) {
-  std::vector<std::string> lines;
-  for (const JointMargin& joint : passivity.joints) {
-    const SampledAxis& axis = joint.axis;
-    if (axis.passive()) continue;
-    std::string line = formatted("axis %s is not passive: it needs %.3g %s of its own damping and has %.3g: ",
-                                 joint.joint.c_str(), axis.needed(), damping_unit(joint), axis.damping) +
-                       remedy(axis) + ", shorten the step, or build it with more damping";
-    if (!joint.stable_alone)
-      line += formatted("; %s it is unstable and chatters (feedback damping alone: from %.3g %s on)",
-                        joint.stable_held ? "released" : "even in a hand",
-                        largest_stable_damping(axis.inertia, axis.period_s, axis.delay), damping_unit(joint));
-    lines.push_back(std::move(line));
-  }
-  if (lines.empty() && !passivity.passive())
-    lines.push_back(
-        formatted("the axes are passive one by one, but not together: the worst direction needs "
-                  "%.3g times the present damping: divide the feedback's gains by that",
-                  passivity.worst_direction));
-  return lines;
 }
 
 }  // namespace godobject

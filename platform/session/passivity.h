@@ -9,32 +9,9 @@
 #include "hal/rig/passivity_controller.h"
 #include "platform/motion/motion.h"
 #include "platform/scene/scene.h"
+#include "platform/session/sampled_axis.h"
 
 namespace godobject {
-
-/// Axis with a spring and a damper in software, sampled once a period: m q'' = -b q' + u + hand.
-/// The torque u = -K q_k - B (q_k - q_(k-1)) / T is held for a period, from `delay` periods after sample k.
-struct SampledAxis {
-  double inertia = 1;      // m, kg m^2 or kg, > 0
-  double damping = 0;      // b, the device's own, N m s/rad or N s/m
-  double K = 0;            // stiffness, N m/rad or N/m
-  double B = 0;            // damping of the feedback, N m s/rad or N s/m
-  double period_s = 1e-3;  // T, s
-  int delay = 1;           // whole periods from the sample to the torque
-
-  /// Returns the smallest b of a passive axis, K (T/2 + t_d) + |B|, with t_d = delay T.
-  double needed() const noexcept;
-  double margin() const noexcept { return damping - needed(); }
-  bool passive() const noexcept { return margin() >= 0; }
-};
-
-/// Returns the largest growth factor of the motion per period, with a hand of this stiffness and damping. The
-/// axis is stable below 1.
-double growth_per_period(const SampledAxis& axis, double hand_stiffness = 0, double hand_damping = 0);
-
-/// Returns the smallest B at which an axis without spring and own damping is unstable: 2 m/T without delay,
-/// 0.83 m/T with one period of delay.
-double largest_stable_damping(double inertia, double period_s, int delay);
 
 /// Margin of one driven joint. The tool is taken as fixed, because a tool that yields displays lower gains.
 struct JointMargin {

@@ -116,10 +116,17 @@ void visit_compensation(V& v, const PlantConfig& plant, double step_s, RigParams
           c.gravity);
   v.value(Key{"friction", "", "share of the friction of `[device.plant]` that they overcome", {0, 1}},
           c.friction);
+  v.value(Key{"inertia",
+              "",
+              "share of the inertia of `[device.plant]` that they move, counted by `check`",
+              {0, CompensationConfig::max_inertia_share}},
+          c.inertia);
+  v.value(Key{"inertia_cutoff", "Hz", "of the acceleration that they follow", positive}, c.inertia_cutoff_Hz);
   v.value(Key{"ahead", "s", "handles are predicted over this time, the delay of bus and drives", {0, 0.1}},
           c.ahead_s);
   const bool has_drives = rig != nullptr && !rig->drives.empty();
-  v.check(has_drives || (!c.gravity && c.friction == 0), "", "needs drives: add [[device.drive]]");
+  v.check(has_drives || (!c.gravity && c.friction == 0 && c.inertia == 0), "",
+          "needs drives: add [[device.drive]]");
   v.check(rig != nullptr || c.ahead_s == 0, "ahead", "needs joints with encoders: add [[device.encoder]]");
   if (rig == nullptr) return;
   const bool has_weight =
@@ -127,10 +134,15 @@ void visit_compensation(V& v, const PlantConfig& plant, double step_s, RigParams
       std::ranges::any_of(rig->tree.joints, [](const DeviceJoint& j) { return j.mass > 0; });
   v.check(!c.gravity || has_weight, "gravity",
           "has nothing to carry: give `mass` in [[device.joint]] and `gravity` in [device.plant]");
+  v.check(c.inertia == 0 || rig->transmissions.empty(), "inertia",
+          "moves joints with a drive of their own: remove it, or the [[device.transmission]]");
   CompensationParams& params = rig->compensation;
-  params = {.gravity_W = c.gravity ? plant.gravity_W : Vec3::Zero(), .ahead_s = c.ahead_s};
-  if (c.friction == 0) return;
+  params = {.gravity_W = c.gravity ? plant.gravity_W : Vec3::Zero(),
+            .inertia_cutoff = 2 * pi * c.inertia_cutoff_Hz,
+            .ahead_s = c.ahead_s};
   for (const DeviceJoint& joint : rig->tree.joints) {
+    if (c.inertia > 0) params.inertia.push_back(c.inertia * plant.of(joint.name).inertia);
+    if (c.friction == 0) continue;
     params.friction.push_back(c.friction * plant.of(joint.name).friction);
     params.certain_speed.push_back(certain_speed(*rig, joint.name, step_s));
   }
