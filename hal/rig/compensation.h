@@ -1,4 +1,4 @@
-// Torques of the drives for the device itself: they carry its weight, overcome its friction and move its mass.
+// Torques of the drives for the device itself: they carry its weight, overcome its friction, move its mass.
 #pragma once
 
 #include <algorithm>

@@ -39,14 +39,16 @@ struct PassivityParams {
 /// With generated energy the controller displays a softened torque and adds damping. The softened torque
 /// follows changes of the wanted one as a spring of `soft_stiffness` at most, which is passive at this period
 /// and delay. It converges to the wanted torque within `relaxation_s`, so that rest and slow motion feel the
-/// whole stiffness. Torques that move inertia fade by the controller's share. Without generated energy the
-/// wanted torque is returned unchanged.
+/// whole stiffness. Torques that move inertia fade by the controller's share. In free motion the added
+/// damping then takes back the energy lent. Without generated energy the wanted torque is returned unchanged.
 class PassivityController {
  public:
   // Softened stiffness in m / ((d + 1) T)^2 and its damping in m / ((d + 1) T).
   static constexpr double stiffness_share = 0.05, damping_share = 0.35;
   /// Unloading faster than `slow_counts` per sample is this much stiffer than loading: impacts lose energy.
   static constexpr double unloading = 6, slow_counts = 1.5;
+  /// Damping in free motion that takes back energy lent to a carried inertia, in deficits.
+  static constexpr double recovery = 12;
   /// Shortest time in which the softened torque converges. Convergence is an integral term, which is stable
   /// if much slower than soft_stiffness * soft_damping / (m K).
   static constexpr double relaxation_s = 1, relaxation_margin = 5;
@@ -60,6 +62,7 @@ class PassivityController {
         soft_stiffness_(stiffness_share * params.inertia / square(reach_s())),
         soft_share_(params.stiffness > soft_stiffness_ ? soft_stiffness_ / params.stiffness : 1),
         soft_damping_(std::min(damping_share * params.inertia / reach_s(), 2 * params.deficit())),
+        recovery_damping_(std::min(damping_share * params.inertia / reach_s(), recovery * params.deficit())),
         relaxed_per_period_(params.period_s /
                             std::max(relaxation_s, relaxation_margin * params.stiffness * params.inertia /
                                                        (soft_stiffness_ * soft_damping_))) {}
@@ -81,6 +84,8 @@ class PassivityController {
     const double soft = soften(wanted);
     wanted_ = wanted;
     if (share_ < least_share) return wanted + moving;
+    if (params_.carried > 0 && wanted == 0)
+      return (1 - share_) * moving - share_ * recovery_damping_ * q_dot_;
     const double torque = wanted + share_ * (soft - wanted - (wanted != 0 ? soft_damping_ * q_dot_ : 0));
     return (torque * wanted < 0 ? 0 : torque) + (1 - share_) * moving;
   }
@@ -128,11 +133,8 @@ class PassivityController {
     sample(wanted, q);
   }
 
-  /// Returns m_c q'^2 / 2 at the largest speed within the resolution of a mean over a period.
-  double lent_J() const noexcept {
-    const double speed = std::abs(q_dot_) + 0.5 * params_.resolution / params_.period_s;
-    return 0.5 * params_.carried * square(speed);
-  }
+  /// Returns m_c q'^2 / 2.
+  double lent_J() const noexcept { return 0.5 * params_.carried * square(q_dot_); }
 
   /// Moves the softened torque with the wanted one, as far as the axis has moved, and towards it by its rate.
   double soften(double wanted) noexcept {
@@ -149,7 +151,7 @@ class PassivityController {
   }
 
   PassivityParams params_;
-  double soft_stiffness_, soft_share_, soft_damping_, relaxed_per_period_;
+  double soft_stiffness_, soft_share_, soft_damping_, recovery_damping_, relaxed_per_period_;
   bool has_sample_ = false;
   double q_ = 0, q_dot_ = 0, moved_ = 0;
   double wanted_ = 0, wanted_at_q_ = 0;  // in the last period, at the last new sample

@@ -23,8 +23,7 @@ Matrix exponential(Matrix A) {
 
 }  // namespace
 
-// Returns the limit of |A^n|^(1/n), at n = 2^40 by squaring. Eigen's
-// solvers of eigenvalues cost 12 s of each compilation.
+// Limit of |A^n|^(1/n), at n = 2^40 by squaring. Eigen's solvers of eigenvalues cost 12 s of a compilation.
 double spectral_radius(Eigen::MatrixXd A) {
   double log_radius = 0, share = 1;
   for (int squarings = 0; squarings < 40; ++squarings) {
@@ -57,12 +56,13 @@ double SampledAxis::needed_for_inertia() const noexcept {
   return most;
 }
 
-double SampledAxis::needed() const noexcept {
-  return K * period_s * (0.5 + delay) + std::abs(B) + needed_for_inertia();
+double SampledAxis::needed_for_feedback() const noexcept {
+  return K * period_s * (0.5 + delay) + std::abs(B);
 }
 
 // State: q_k, q'_k, q_(k-1), both low-passes of the acceleration, and the pending torques u_(k-1) ...
-// u_(k-delay).
+// u_(k-delay). Its eigenvalues are those of differences, scaled by the share c of the low-passes. Otherwise
+// the ones near 1 would be lost in rounding.
 double growth_per_period(const SampledAxis& axis, double hand_stiffness, double hand_damping) {
   const double T = axis.period_s, m = axis.inertia;
   Matrix A = Matrix::Zero(3, 3);  // matrix of q, q', u over a period
@@ -74,7 +74,8 @@ double growth_per_period(const SampledAxis& axis, double hand_stiffness, double 
 
   constexpr Eigen::Index first_torque = 5;
   const Eigen::Index n = first_torque + axis.delay;
-  const double c = InertiaCompensation::share_of(axis.cutoff, T);
+  const bool moves = axis.carried > 0;
+  const double c = moves ? InertiaCompensation::share_of(axis.cutoff, T) : 1;
   Matrix once = Matrix::Zero(1, n), twice = once;  // low-passes after sample k
   once(0, 0) = c;
   once(0, 3) = 1 - c;
@@ -82,7 +83,7 @@ double growth_per_period(const SampledAxis& axis, double hand_stiffness, double 
   twice += c * once;
   Matrix u_k = Matrix::Zero(1, n);  // torque commanded from sample k
   u_k(0, 0) = 1;
-  u_k = axis.carried * InertiaCompensation::gain_of(axis.cutoff, T) * (u_k - 2 * once + twice);
+  u_k = (moves ? axis.carried * InertiaCompensation::gain_of(axis.cutoff, T) : 0) * (u_k - 2 * once + twice);
   u_k(0, 0) -= axis.K + axis.B / T;
   u_k(0, 2) += axis.B / T;
   Matrix applied = Matrix::Zero(1, n);
@@ -97,7 +98,18 @@ double growth_per_period(const SampledAxis& axis, double hand_stiffness, double 
   step.row(4) = twice;
   if (axis.delay > 0) step.row(first_torque) = u_k;
   for (Eigen::Index i = first_torque + 1; i < n; ++i) step(i, i - 1) = 1;
-  return spectral_radius(step);
+  Matrix P = Matrix::Identity(n, n), P_inverse = P;  // P x of the differences x
+  P(1, 1) = c / T;
+  P.block(2, 0, 3, 1).setOnes();
+  P(2, 2) = P(3, 3) = P(4, 3) = P(4, 4) = -c;
+  P_inverse(1, 1) = T / c;
+  P_inverse(2, 0) = P_inverse(3, 0) = P_inverse(4, 3) = 1 / c;
+  P_inverse(2, 2) = P_inverse(3, 3) = P_inverse(4, 4) = -1 / c;
+  for (Eigen::Index i = first_torque; i < n; ++i) {
+    P(i, i) = m * c * c / (T * T);
+    P_inverse(i, i) = 1 / P(i, i);
+  }
+  return spectral_radius(P_inverse.lazyProduct(step.lazyProduct(P).eval()));
 }
 
 // Root of z^(d+1) (z - 1) + beta (z + 1) / 2 on the unit circle, beta = B T / m. There z = exp(i a) with a (d

@@ -21,7 +21,8 @@ struct SampledAxis {
 
   /// Returns the smallest b of a passive axis, K (T/2 + t_d) + |B| and that of the carried inertia, with
   /// t_d = delay T.
-  double needed() const noexcept;
+  double needed() const noexcept { return needed_for_feedback() + needed_for_inertia(); }
+  double needed_for_feedback() const noexcept;
   /// Returns the smallest b at which the torques of the carried inertia alone give no energy.
   double needed_for_inertia() const noexcept;
   double margin() const noexcept { return damping - needed(); }

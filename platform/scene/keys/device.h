@@ -164,11 +164,12 @@ void visit_device(V& v, const SceneConfig& scene, const std::vector<BusParams>& 
   if (given == PartsOfDevice::none) d.plant = default_plant(joints);
   plain_table(v, TableKey{"plant", "Simulated mechanics of device and hand."},
               [&](auto& t) { visit_plant(t, joints, d.plant); });
-  plain_table(v,
-              TableKey{"compensation", "The drives compensate the device's own weight, friction and delay."},
-              [&](auto& t) {
-                visit_compensation(t, d.plant, scene.step, d.rig ? &*d.rig : nullptr, d.compensation);
-              });
+  plain_table(
+      v,
+      TableKey{"compensation", "The drives compensate the device's own weight, friction, inertia and delay."},
+      [&](auto& t) {
+        visit_compensation(t, d.plant, scene.step, d.rig ? &*d.rig : nullptr, d.compensation);
+      });
   visit_trackers(v, holdable_bodies(scene, d), handled_bodies(d), d.trackers);
   optional_table(v, TableKey{"spacemouse", "A SpaceMouse ([trackers](trackers.md#spacemouse))."},
                  d.spacemouse,

@@ -183,32 +183,6 @@ TEST(Compensation, ItsStiffnessCountsInThePassivityOfAnAxis) {
   EXPECT_NEAR(passivity_controllers(scene, q).back().stiffness, of_feedback, 1e-6);
 }
 
-// A moved inertia needs damping of the device; beyond it the axis has a controller, and check names the key.
-TEST(Compensation, AMovedInertiaCountsInThePassivityOfAnAxis) {
-  const auto scene_with = [](const std::string& plant, const std::string& key) {
-    return parsed(heavy_desk(plant, key, "scale = 0\n"));
-  };
-  const auto margin = [](const SceneConfig& scene) {
-    return passivity(scene, joints_at_start(scene, Motion(scene)));
-  };
-  EXPECT_THAT(margin(scene_with("damping = 1\n", "")).joints, IsEmpty());
-  const SceneConfig light = scene_with("damping = 5\n", "inertia = 0.5\n");
-  const SampledAxis axis = margin(light).joints.front().axis;
-  EXPECT_DOUBLE_EQ(axis.carried, 0.15);
-  // m_c w_c / 2 and 3 times w_c t_d of it, to first order in the delay
-  EXPECT_NEAR(axis.needed(), 0.15 * axis.cutoff / 2, 0.15 * 0.15 * axis.cutoff);
-  EXPECT_GT(axis.needed(), 0.15 * axis.cutoff / 2);
-  EXPECT_THAT(passivity_warnings(margin(light)), IsEmpty());
-  EXPECT_FALSE(passivity_controllers(light, JointVector::Zero(3)).front().is_active());
-
-  const SceneConfig heavy = scene_with("damping = 1\n", "inertia = 0.5\n");
-  EXPECT_THAT(passivity_warnings(margin(heavy)),
-              testing::Each(HasSubstr("lower inertia in [device.compensation] to ")));
-  const PassivityParams controller = passivity_controllers(heavy, JointVector::Zero(3)).front();
-  EXPECT_TRUE(controller.is_active());
-  EXPECT_DOUBLE_EQ(controller.carried, 0.15);
-}
-
 std::vector<std::string> errors_of(const std::string& text) { return parse_scene(text, "desk.toml").errors; }
 
 TEST(Compensation, KeysThatCannotActAreRefused) {
@@ -216,12 +190,6 @@ TEST(Compensation, KeysThatCannotActAreRefused) {
   EXPECT_THAT(errors_of(heavy_desk("", "gravity = true\n")),
               ElementsAre(HasSubstr("has nothing to carry: give `mass` in [[device.joint]]")));
   EXPECT_THAT(errors_of(heavy_desk("", "friction = 1.2\n")), ElementsAre(HasSubstr("'friction'")));
-  EXPECT_THAT(errors_of(heavy_desk("", "inertia = 0.5\ninertia_cutoff = 8\n")), IsEmpty());
-  for (const std::string share : {"1.0", "-0.1", "0.95", "nan"})
-    EXPECT_THAT(errors_of(heavy_desk("", "inertia = " + share + "\n")), ElementsAre(HasSubstr("'inertia'")))
-        << share;
-  EXPECT_THAT(errors_of(heavy_desk("", "inertia = 0.5\ninertia_cutoff = 0\n")),
-              ElementsAre(HasSubstr("'inertia_cutoff'")));
   EXPECT_THAT(errors_of("[scene]\nname = \"a\"\n[[body]]\nname = \"b\"\nmass = 1\ninertia = [1, 1, 1]\n"
                         "[body.coupling]\nstiffness = 10\nrotational_stiffness = 1\n"
                         "[device]\nname = \"d\"\n[device.compensation]\nfriction = 0.5\n"),

@@ -17,8 +17,8 @@ namespace {
 constexpr int substeps = 20;  // per period
 constexpr double pi = std::numbers::pi;
 
-/// Simulates u = -K q_k - B (q_k - q_(k-1)) / T + m_c a_k, in effect `delay` periods after sample k. wall: true
-/// for a spring at q > 0 only.
+/// Simulates u = -K q_k - B (q_k - q_(k-1)) / T + m_c a_k, in effect `delay` periods after sample k.
+/// wall: true for a spring at q > 0 only.
 class SampledSpring {
  public:
   SampledSpring(const SampledAxis& axis, bool wall)
@@ -152,7 +152,8 @@ TEST(PassivityTheory, WithinTheMarginNoMotionTakesEnergyOut) {
     EXPECT_GE(work.least, -1e-12) << "K " << axis.K << " B " << axis.B << " delay " << axis.delay << " wall "
                                   << wall;
     // and the motion that gains most
-    if (axis.carried == 0) EXPECT_GE(work_of_sine(axis, worst_theta(axis)), -1e-3);
+    if (axis.carried > 0) continue;  // see TheNeedOfACarriedInertiaIsSharp
+    EXPECT_GE(work_of_sine(axis, worst_theta(axis)), -1e-3);
   }
   RecordProperty("least", std::to_string(least));
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -64,7 +65,7 @@ RigParams slider(double share, double cutoff_Hz, int status_every) {
   drive.torque_max_Nm = 0.2;
   drive.torque_rate_Nm_per_s = 1000;
   drive.joint_per_motor_rad = radius;
-  drive.status_every_nth_sync = static_cast<std::uint64_t>(status_every);
+  drive.status_every_nth_sync = static_cast<std::uint8_t>(status_every);
   drive.calibration.counts_per_unit = 1e6;
   rig.drives = {drive};
   if (share > 0) rig.compensation.inertia = {share * mass};
@@ -73,7 +74,8 @@ RigParams slider(double share, double cutoff_Hz, int status_every) {
 }
 
 /// Returns the force of the hand for its coordinate at a frequency, N/m.
-std::complex<double> felt(double share, double cutoff_Hz, double f_Hz, int status_every = 1) {
+std::complex<double> felt(double share, double cutoff_Hz, double f_Hz, int status_every = 1,
+                          bool controlled = false) {
   SimulatedRig rig(
       slider(share, cutoff_Hz, status_every), true,
       PlantConfig{
@@ -84,6 +86,16 @@ std::complex<double> felt(double share, double cutoff_Hz, double f_Hz, int statu
   rig.q_ref_dot = [&](double t) {
     return JointVector::Constant(1, amplitude * w * std::cos(w * (t - began)));
   };
+  if (controlled) {
+    const SampledAxis axis{
+        .inertia = mass, .damping = damping, .K = 0, .carried = share * mass, .cutoff = 2 * pi * cutoff_Hz};
+    EXPECT_GT(axis.needed(), 2 * damping);
+    rig.rig->control_passivity(std::array{PassivityParams{.inertia = mass,
+                                                          .damping = damping,
+                                                          .needed = axis.needed(),
+                                                          .resolution = 1e-6,
+                                                          .carried = axis.carried}});
+  }
   EXPECT_TRUE(rig.boot()) << rig.rig->fault_text();
   EXPECT_TRUE(rig.rig->arm());
   began = 1e-9 * static_cast<double>(rig.now);
@@ -100,9 +112,9 @@ std::complex<double> felt(double share, double cutoff_Hz, double f_Hz, int statu
   return F / X;
 }
 
-double felt_mass(double share, double cutoff_Hz, double f_Hz, int status_every = 1) {
+double felt_mass(double share, double cutoff_Hz, double f_Hz, int status_every = 1, bool controlled = false) {
   const double w = 2 * pi * f_Hz;
-  return -felt(share, cutoff_Hz, f_Hz, status_every).real() / (w * w);
+  return -felt(share, cutoff_Hz, f_Hz, status_every, controlled).real() / (w * w);
 }
 
 TEST(InertiaCompensation, TheHandFeelsTheShareThatRemains) {
@@ -110,6 +122,11 @@ TEST(InertiaCompensation, TheHandFeelsTheShareThatRemains) {
   for (const double share : {0.3, 0.6, 0.9})
     EXPECT_NEAR(felt_mass(share, 10, 1), (1 - share) * mass, 0.05 * mass) << share;
   EXPECT_NEAR(felt_mass(0.6, 10, 1, 2), 0.4 * mass, 0.05 * mass);
+}
+
+// An axis that needs 2.8 times its damping feels 0.49 of its mass instead of 0.4.
+TEST(InertiaCompensation, AControllerLeavesMostOfItInSlowMotion) {
+  EXPECT_LT(felt_mass(0.6, 10, 1, 1, true), 0.55 * mass);
 }
 
 // m_c a of the two low-passes, 1.5 periods late: Z = -(m - m_c H) w^2 + j b w.
@@ -141,7 +158,7 @@ struct DrawnAxis {
   SampledAxis axis;
   double count = 1e-6;  // m
   bool controlled = true;
-  std::vector<double> hand{};  // places of the hand, m, for an equal time each
+  std::vector<double> hand{0};  // places of the hand, m, each for half a second after a way of half a second
 };
 
 DrawnAxis drawn_axis(std::mt19937& random) {
@@ -161,12 +178,19 @@ DrawnAxis drawn_axis(std::mt19937& random) {
               .carried = between(0.2, 0.9) * out.plant.inertia,
               .cutoff = 2 * pi * scale(1, 20)};
   out.count = scale(1e-6, 50e-6);
-  for (int i = 0; i < 4; ++i) out.hand.push_back(between(-0.05, 0.05));
+  for (int i = 0; i < 4; ++i) out.hand.push_back(between(-0.1, 0.1));
   return out;
 }
 
-/// Returns the largest energy that the drive has added beyond the device's dissipation and the kinetic energy
-/// of the carried inertia, J; infinite if the axis runs away.
+/// Returns the place of the hand and its rate, m and m/s.
+std::pair<double, double> hand_at(const DrawnAxis& drawn, double t) {
+  const auto i = std::min(static_cast<std::size_t>(t), drawn.hand.size() - 2);
+  const double s = std::min(1.0, 2 * (t - static_cast<double>(i))), way = drawn.hand[i + 1] - drawn.hand[i];
+  return {drawn.hand[i] + way * s * s * (3 - 2 * s), s < 1 ? 2 * way * 6 * s * (1 - s) : 0};
+}
+
+/// Returns the largest energy that the drive has added, J, without that dissipated by the device or lent to
+/// the carried inertia. Infinite if the axis runs away.
 double gained_J(const DrawnAxis& drawn, double time_s) {
   const SampledAxis& axis = drawn.axis;
   SimPlant plant(drawn.plant, 1, true, JointVector::Zero(1), 0);
@@ -191,11 +215,10 @@ double gained_J(const DrawnAxis& drawn, double time_s) {
     pending[static_cast<std::size_t>(k + axis.delay) % pending.size()] = sent;
     const double acts = pending[static_cast<std::size_t>(k) % pending.size()];
     plant.set_motor_torque(0, acts);
-    const JointVector hand = JointVector::Constant(
-        1, drawn.hand[static_cast<std::size_t>(k) * drawn.hand.size() / static_cast<std::size_t>(periods)]);
+    const auto [place, rate] = hand_at(drawn, (k + 1) * axis.period_s);
     for (Nanoseconds ns = SimPlant::substep_ns; ns <= period_ns; ns += SimPlant::substep_ns) {
       const double before = plant.q()(0);
-      plant.advance(k * period_ns + ns, hand, JointVector::Zero(1));
+      plant.advance(k * period_ns + ns, JointVector::Constant(1, place), JointVector::Constant(1, rate));
       const double v = plant.q_dot()(0);
       added += acts * (plant.q()(0) - before) - drawn.plant.damping * v * v * 1e-9 * SimPlant::substep_ns;
       gained = std::max(gained, added - 0.5 * axis.carried * v * v);
@@ -207,7 +230,7 @@ double gained_J(const DrawnAxis& drawn, double time_s) {
 
 TEST(InertiaCompensation, DrawnAxesInAPassiveHandGainNoEnergy) {
   constexpr int num_axes = 300;
-  constexpr double allowed_J = 1e-3;
+  constexpr double allowed_J = 5e-3;  // as of a controlled wall
   std::mt19937 random(11);
   int failed_without = 0, num_passive = 0;
   double worst = 0, worst_passive = 0;
@@ -220,7 +243,8 @@ TEST(InertiaCompensation, DrawnAxesInAPassiveHandGainNoEnergy) {
                                << " moved, " << drawn.axis.damping << " N s/m, needs " << drawn.axis.needed()
                                << ", delay " << drawn.axis.delay << ", " << drawn.axis.period_s
                                << " s, count " << drawn.count << " m, hand " << drawn.plant.hand_stiffness
-                               << " N/m " << drawn.plant.hand_damping << " N s/m, without " << without;
+                               << " N/m " << drawn.plant.hand_damping << " N s/m, with " << with
+                               << ", without " << without;
     failed_without += without > allowed_J ? 1 : 0;
     worst = std::max(worst, with);
     if (!drawn.axis.passive()) continue;
