@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,10 +21,11 @@ struct DeviceJoint {
   std::string name;
   std::string parent{};  // an earlier joint, the base of this one, or base_name; empty: the previous joint
   DeviceJointKind kind = DeviceJointKind::hinge;
-  Pose X_PJ{};                  // joint frame in the parent's link frame
-  Vec3 axis_J = Vec3::UnitZ();  // unit
-  double mass = 0;              // of its link, kg, >= 0
-  Vec3 p_LM = Vec3::Zero();     // centre of mass, in the link's frame
+  Pose X_PJ{};                             // joint frame in the parent's link frame
+  Vec3 axis_J = Vec3::UnitZ();             // unit
+  double mass = 0;                         // of its link, kg, >= 0
+  Vec3 p_LM = Vec3::Zero();                // centre of mass, in the link's frame
+  std::optional<double> lower{}, upper{};  // ends of its range, rad or m; absent: not known
 };
 
 /// Grip of the user on a body of the tool: the handle is the target of that body.

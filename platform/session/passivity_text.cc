@@ -46,7 +46,8 @@ std::string remedy(SampledAxis axis) {
 std::vector<std::string> passivity_table(const Passivity& passivity) {
   if (passivity.joints.empty()) return {};
   std::vector<std::string> lines{
-      "# passivity of the driven axes at the start: b > K (T/2 + t_d) + |B|, see docs/theory/passivity.md",
+      formatted("# passivity of the driven axes at %s: b > K (T/2 + t_d) + |B|, see docs/theory/passivity.md",
+                passivity.ranges.vary() ? "their worst poses" : "the start"),
       formatted("#   %-16s %10s %10s %8s %10s %10s %10s  %s", "joint", "K", "B", "t_d ms", "needed", "b",
                 "margin", "verdict")};
   for (const JointMargin& joint : passivity.joints) {
@@ -59,6 +60,9 @@ std::vector<std::string> passivity_table(const Passivity& passivity) {
                               axis.K, axis.B, 1e3 * axis.period_s * axis.delay, axis.needed(), axis.damping,
                               axis.margin(), verdict));
   }
+  for (const JointMargin& joint : passivity.joints)
+    if (passivity.ranges.vary())
+      lines.push_back("#   worst pose of " + joint.joint + ": " + passivity.ranges.text(joint.q));
   if (passivity.joints.size() > 1)
     lines.push_back(formatted("#   all at once: the worst direction needs %.3g times the present damping",
                               passivity.worst_direction));
@@ -81,8 +85,10 @@ std::vector<std::string> passivity_warnings(const Passivity& passivity) {
   for (const JointMargin& joint : passivity.joints) {
     const SampledAxis& axis = joint.axis;
     if (axis.passive()) continue;
-    std::string line = formatted("axis %s is not passive: it needs %.3g %s of its own damping and has %.3g: ",
-                                 joint.joint.c_str(), axis.needed(), damping_unit(joint), axis.damping) +
+    const std::string at = passivity.ranges.vary() ? " at " + passivity.ranges.text(joint.q) : "";
+    std::string line = "axis " + joint.joint + " is not passive" + at +
+                       formatted(": it needs %.3g %s of its own damping and has %.3g: ", axis.needed(),
+                                 damping_unit(joint), axis.damping) +
                        remedy(axis) + ", shorten the step, or build it with more damping";
     if (!joint.stable_alone)
       line += formatted("; %s it is unstable and chatters (feedback damping alone: from %.3g %s on)",
@@ -94,7 +100,8 @@ std::vector<std::string> passivity_warnings(const Passivity& passivity) {
     lines.push_back(
         formatted("the axes are passive one by one, but not together: the worst direction needs "
                   "%.3g times the present damping: divide the feedback's gains by that",
-                  passivity.worst_direction));
+                  passivity.worst_direction) +
+        (passivity.ranges.vary() ? " (at " + passivity.ranges.text(passivity.worst_q) + ")" : ""));
   return lines;
 }
 

@@ -171,11 +171,11 @@ bool moves_by_own_device(const RunOptions& options, const SceneConfig& scene) {
          options.device.empty() && !options.view_input;
 }
 
-/// Computes passivity at the start of the motion, if the rig is valid.
+/// Computes passivity within the ranges of the joints, if the rig is valid.
 void check_passivity(const RunOptions& options, const SceneConfig& scene, const Motion& motion,
                      PreparedRun& run) {
   if (run.buses.choice == BusChoice::direct || !is_rig_valid(scene)) return;
-  run.passivity = passivity(scene, joints_at_start(scene, motion));
+  run.passivity = worst_passivity(scene, joints_at_start(scene, motion));
   for (const std::string& warning : passivity_warnings(run.passivity))
     if (options.strict) run.errors.push_back(options.scene + ": --strict: " + warning);
     else run.warnings.push_back(options.scene + ": " + warning);

@@ -36,6 +36,18 @@ void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
   visit_pose(v, "position", "orientation_wxyz", "the joint's frame on the parent's link, at coordinate 0",
              j.X_PJ);
   v.unit_vector(Key{"axis", "", "unit vector in the joint's frame"}, j.axis_J);
+  v.value(Key{.name = "lower",
+              .unit = "rad or m",
+              .meaning = "lower end of its range, for the margins of `check`",
+              .otherwise = "the start, of a hinge half a turn less"},
+          j.lower);
+  v.value(Key{.name = "upper",
+              .unit = "rad or m",
+              .meaning = "upper end",
+              .otherwise = "the start, of a hinge half a turn more"},
+          j.upper);
+  v.check(j.lower.has_value() == j.upper.has_value(), "", "give both ends, lower and upper, or none");
+  v.check(!j.lower || !j.upper || *j.lower < *j.upper, "upper", "must be above lower");
   v.value(Key{"mass", "kg", "of its link, for the gravity of `[device.plant]`", not_negative}, j.mass);
   v.value(Key{"center_of_mass", "m", "of its link, from the joint's frame at coordinate 0"}, j.p_LM);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -112,6 +113,84 @@ TEST(Passivity, TheWorstDirectionOfJointsThatMoveTogether) {
   for (const JointMargin& joint : result.joints) EXPECT_TRUE(joint.axis.passive());
   EXPECT_NEAR(result.worst_direction, 2 * 400 * 1.5e-3, 1e-9);
   EXPECT_THAT(passivity_warnings(result), testing::ElementsAre(HasSubstr("not together")));
+  // both have a controller, for the sum of their needs; the third, along its own line, has none
+  const std::vector<PassivityParams> controllers =
+      passivity_controllers(scene, joints_at_start(scene, Motion(scene)));
+  for (const int i : {0, 1}) {
+    EXPECT_TRUE(controllers[static_cast<std::size_t>(i)].is_active()) << i;
+    EXPECT_NEAR(controllers[static_cast<std::size_t>(i)].needed, 2 * 400 * 1.5e-3, 1e-9) << i;
+  }
+  EXPECT_FALSE(controllers[2].is_active());
+  joints[1].axis_J = Vec3::UnitY();  // on their own lines none has
+  for (const PassivityParams& controller :
+       passivity_controllers(scene, joints_at_start(scene, Motion(scene))))
+    EXPECT_FALSE(controller.is_active());
+}
+
+/// An arm of two links of 0.2 m whose handle is at their end.
+SceneConfig planar_arm() {
+  SceneConfig scene = parsed(test::desk_scene("stiffness = 1e4\n"));
+  std::vector<DeviceJoint>& joints = scene.device->rig->tree.joints;
+  joints[0].kind = joints[1].kind = DeviceJointKind::hinge;
+  joints[0].axis_J = joints[1].axis_J = Vec3::UnitZ();
+  joints[1].X_PJ.p = joints[2].X_PJ.p = Vec3(0.2, 0, 0);
+  return scene;
+}
+
+TEST(Passivity, AHingeIsJudgedWhereItsLeverIsLongest) {
+  SceneConfig scene = planar_arm();
+  const JointVector folded = Vec3(0, 2.8, 0);
+  EXPECT_TRUE(passivity(scene, folded).joints.front().axis.passive());
+  const auto longest_sq = [](double elbow) { return 0.08 + 0.08 * std::cos(elbow); };
+  const Passivity worst = worst_passivity(scene, folded);
+  EXPECT_NEAR(worst.joints.front().axis.K, 1e4 * longest_sq(0), 0.01 * 1e4 * longest_sq(0));
+  EXPECT_NEAR(std::remainder(worst.joints.front().q(1), 2 * 3.14159265), 0, 0.2);
+  EXPECT_NEAR(worst.joints[1].axis.K, 1e4 * 0.04, 1e-6);  // does not depend on the pose
+  EXPECT_FALSE(worst.joints.front().axis.passive());
+  EXPECT_NEAR(passivity_controllers(scene, folded).front().stiffness, worst.joints.front().axis.K, 1e-9);
+  EXPECT_THAT(passivity_warnings(worst).front(), HasSubstr("axis x is not passive at x "));
+  EXPECT_THAT(passivity_table(worst), testing::Contains(HasSubstr("worst pose of x: x ")));
+
+  // a stated range bounds it
+  scene.device->rig->tree.joints[1].lower = 1.5;
+  scene.device->rig->tree.joints[1].upper = 2.8;
+  const Passivity bounded = worst_passivity(scene, folded);
+  EXPECT_NEAR(bounded.joints.front().axis.K, 1e4 * longest_sq(1.5), 0.01 * 1e4 * longest_sq(1.5));
+  EXPECT_LE(bounded.joints.front().axis.K, 1e4 * longest_sq(1.5) + 1e-6);
+}
+
+TEST(Passivity, SlidersWithoutAStatedRangeStayAtTheStart) {
+  SceneConfig scene = parsed(test::desk_scene("stiffness = 400\n"));
+  EXPECT_FALSE(worst_passivity(scene, JointVector::Zero(3)).ranges.vary());
+  EXPECT_THAT(passivity_table(worst_passivity(scene, JointVector::Zero(3))).front(),
+              HasSubstr("at the start"));
+  // a slide that carries a hinge's handle away from it
+  std::vector<DeviceJoint>& joints = scene.device->rig->tree.joints;
+  joints[0].kind = DeviceJointKind::hinge;
+  joints[0].axis_J = Vec3::UnitZ();
+  joints[0].lower = -1;
+  joints[0].upper = 1;
+  joints[1].lower = 0.1;
+  joints[1].upper = 0.3;
+  const JointVector start = Vec3(0, 0.1, 0);
+  EXPECT_NEAR(passivity(scene, start).joints.front().axis.K, 400 * 0.01, 1e-9);
+  EXPECT_NEAR(worst_passivity(scene, start).joints.front().axis.K, 400 * 0.09, 1e-9);
+}
+
+TEST(Passivity, EndsOfARangeAreChecked) {
+  const auto with_range = [](const std::string& range) {
+    std::string text = test::desk_scene("scale = 0.25\n");
+    const std::string name = "name = \"z\"\n";
+    text.insert(text.find(name) + name.size(), range);
+    return text;
+  };
+  const LoadResult loaded = parse_scene(with_range("lower = -0.1\nupper = 0.2\n"), "mine.toml");
+  ASSERT_TRUE(loaded.scene);
+  EXPECT_EQ(loaded.scene->device->rig->tree.joints[2].upper, 0.2);
+  EXPECT_THAT(parse_scene(with_range("lower = -0.1\n"), "mine.toml").errors,
+              testing::ElementsAre(HasSubstr("give both ends, lower and upper, or none")));
+  EXPECT_THAT(parse_scene(with_range("lower = 0.1\nupper = 0.1\n"), "mine.toml").errors,
+              testing::ElementsAre(HasSubstr("must be above lower")));
 }
 
 TEST(Passivity, ControllersActOnAxesWithoutMarginAlone) {
@@ -148,7 +227,7 @@ TEST(Passivity, ShippedScenesAreStableAndSayWhatTheirMarginIs) {
     const SceneConfig scene = shipped(name);
     std::stringstream file;
     file << std::ifstream(GODOBJECT_SOURCE_DIR "/sim/scenes/" + name + ".toml").rdbuf();
-    const Passivity result = of_scene(scene);
+    const Passivity result = worst_passivity(scene, joints_at_start(scene, Motion(scene)));
     EXPECT_FALSE(result.joints.empty()) << name;
     for (const JointMargin& joint : result.joints) {
       EXPECT_TRUE(joint.stable_alone) << name << " " << joint.joint;
