@@ -26,6 +26,7 @@ struct SampledWall {
   double energy_J = PassivityParams{}.energy_J;                 // 0: no controller
   double q_start = -2e-3;
   double known_inertia = 1;  // inertia known to the controller, of the true one
+  double ahead_s = 0;        // s, over which the law predicts the sample
   // Law that displays the wall, made for a run: from the sample q, m, to the force, N. None: the spring.
   std::function<std::function<double(double q)>(const SampledWall&)> law{};
 
@@ -33,6 +34,7 @@ struct SampledWall {
     const SampledAxis axis{.inertia = plant.inertia,
                            .damping = plant.damping,
                            .K = stiffness,
+                           .B = ahead_s * stiffness,
                            .period_s = period_s,
                            .delay = delay};
     return {.inertia = known_inertia * plant.inertia,
