@@ -10,6 +10,7 @@
 #include "tests/study/feel/command.h"
 #include "tests/study/map/command.h"
 #include "tests/study/study.h"
+#include "tests/study/wall/command.h"
 
 namespace godobject {
 namespace {
@@ -71,7 +72,8 @@ int run(int argc, char** argv) {
                "godobject-study");
   app.footer(
       "Drawn scenes over all parameters: godobject-study stability-map --help\n"
-      "Impedance that a hand feels: godobject-study feel --help");
+      "Impedance that a hand feels: godobject-study feel --help\n"
+      "Stiffest passive walls: godobject-study z-width --help");
   app.add_option("PART", arguments.part,
                  "error, stability, footprint, joints, contacts, nets or all (default)")
       ->check(CLI::IsMember({"error", "stability", "footprint", "joints", "contacts", "nets", "all"}));
@@ -92,6 +94,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     if (argc > 1 && std::string(argv[1]) == "feel") return godobject::study::run_feel_command(argc, argv);
+    if (argc > 1 && std::string(argv[1]) == "z-width") return godobject::study::run_wall_command(argc, argv);
     if (argc > 1 && std::string(argv[1]) == "stability-map")
       return godobject::study::run_map_command(argc, argv);
     return godobject::run(argc, argv);
