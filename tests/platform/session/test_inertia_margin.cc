@@ -37,9 +37,8 @@ TEST(InertiaMargin, AMovedInertiaNeedsDampingOfTheDevice) {
   const SampledAxis axis = result.joints.front().axis;
   EXPECT_DOUBLE_EQ(axis.carried, 0.15);
   EXPECT_NEAR(axis.cutoff, 31.4159, 1e-3);
-  // m_c w_c / 2 of the filter, and more by the delay
-  EXPECT_GT(axis.needed(), 0.5 * 0.15 * axis.cutoff);
-  EXPECT_LT(axis.needed(), 0.6 * 0.15 * axis.cutoff);
+  // m_c w_c / 2 of the filter, at w_c
+  EXPECT_NEAR(axis.needed(), 0.5 * 0.15 * axis.cutoff, 0.02 * 0.15 * axis.cutoff);
   EXPECT_DOUBLE_EQ(result.joints.front().needed, axis.needed());
   EXPECT_TRUE(result.passive());
   EXPECT_THAT(passivity_warnings(result), IsEmpty());
