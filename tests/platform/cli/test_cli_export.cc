@@ -51,7 +51,7 @@ TEST_F(CliExport, CsvHasTheBytesOfTheTrace) {
   EXPECT_THAT(exported(path("run.csv") + " --csv " + path("a.csv")).output, HasSubstr("exported 501 rows\n"));
   EXPECT_TRUE(text("a.csv") == text("run.csv"));
   const std::string output = exported(path("run.godo") + " --csv " + path("b.csv")).output;
-  EXPECT_THAT(output, HasSubstr("identical\nexported 501 rows\n"));
+  EXPECT_THAT(output, HasSubstr("identical, also the rig\nexported 501 rows\n"));
   EXPECT_TRUE(text("b.csv") == text("run.csv"));
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/can/candump.h"
+#include "platform/rt/stages.h"
 #include "platform/scene/text/csv.h"
 #include "platform/scene/toml.h"
 #include "platform/trace/trace.h"

@@ -17,7 +17,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 
-namespace godobject::test {
+namespace godobject::test::test_inertia_compensation {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -261,4 +261,4 @@ TEST(InertiaCompensation, DrawnAxesInAPassiveHandGainNoEnergy) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_inertia_compensation

@@ -7,7 +7,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/simulated_rig.h"
 
-namespace godobject::test {
+namespace godobject::test::test_rig_passivity {
 namespace {
 
 constexpr double mass = 0.05, damping = 0.5, stiffness = 20e3;  // kg, N s/m, N/m
@@ -150,4 +150,4 @@ TEST_F(RigPassivity, ALostSampleIsNoMotion) {
 }
 
 }  // namespace
-}  // namespace godobject::test
+}  // namespace godobject::test::test_rig_passivity
