@@ -51,7 +51,7 @@ def text_of(drive):
         head = head.replace(old, new)
     for old, new in (('profile = "patient-402"', profile), ('bus = "can0"', 'bus = "can1"')):
         assert all(old in one for one in drives)
-        drives = [one.replace(old, new) for one in drives]
+        drives = [one.replace(old, new, 1) for one in drives]  # the button after the last one stays
     return "[[device.drive]]\n".join([head, *drives])
 
 
