@@ -22,7 +22,7 @@ EXPECTED = {
     "python3-godobject": ["usr/lib/python3/dist-packages/godobject/hil/__init__.py",
                           "usr/lib/python3/dist-packages/godobject/py.typed"],
     "godobject-doc": ["usr/share/doc/godobject-doc/README.md", "usr/share/doc/godobject-doc/docs/figures/view.png"]}
-RULE = re.compile(r'udev_rule =\s*R"\((.*)\)";|R"\(put (KERNEL==.*?) into')
+RULE = re.compile(r'udev_rule =\s*R"\((.*)\)";|R"\(echo \'(KERNEL==.*?)\' \)"')
 
 
 def output_of(*command):
