@@ -193,7 +193,7 @@ def test_the_loop_does_not_know_of_onlookers():
     for clients in (0, 1, 20):
         report = statistics_with(clients)
         names = [fault["name"] for fault in report["faults"]]
-        step = report["timing"]["step_us"]
+        step = report["timing"]["stages_us"]["step"]
         print(f"  {clients:2} clients: step p50 {step['p50']:.1f} us, p99 {step['p99']:.1f} us, faults {names}")
         assert report["cycles"] == 4000, report["cycles"]
 

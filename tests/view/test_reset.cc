@@ -127,7 +127,7 @@ TEST(ResetOfARun, IsRefusedWithItsReason) {
   EXPECT_EQ(reason(options), "this run has hardware, which cannot go back: stop the run, and start it again");
   for (const auto name : {&RunFileNames::trace, &RunFileNames::contacts, &RunFileNames::record,
                           &RunFileNames::inputs, &RunFileNames::on_fault}) {
-    options = options_of("wall.toml");
+    options = options_of(name == &RunFileNames::record ? "grasper.toml" : "wall.toml");  // frames need a bus
     options.files.*name = testing::TempDir() + "reset.godo";
     EXPECT_EQ(reason(options),
               "this run writes " + testing::TempDir() +
