@@ -23,6 +23,21 @@ namespace godobject::test {
 inline constexpr std::size_t num_arm_drives = 3;
 inline constexpr double arm_counts_per_rad = 16384 / (2 * 3.14159265358979323846);
 
+/// Returns a rig of one slider along x, with a handle and a drive. Torques are those of DriveParams.
+inline RigParams slider_rig_params(double joint_per_motor, double counts_per_unit) {
+  RigParams rig;
+  rig.buses = {{.name = "can0"}};
+  rig.tree.joints = {{.name = "slide", .kind = DeviceJointKind::slider, .axis_J = Vec3::UnitX()}};
+  rig.tree.handles = {{.body = "tool", .joint = "slide"}};
+  DriveParams drive;
+  drive.joint = "slide";
+  drive.node_id = 1;
+  drive.joint_per_motor_rad = joint_per_motor;
+  drive.calibration.counts_per_unit = counts_per_unit;
+  rig.drives = {drive};
+  return rig;
+}
+
 inline RigParams arm_rig_params() {
   RigParams rig;
   rig.buses = {{.name = "can0"}, {.name = "can1"}};

@@ -54,20 +54,12 @@ TEST(InertiaCompensation, ALostJointHasNoTorqueAndBeginsAgainAtRest) {
 constexpr double mass = 0.3, damping = 2, radius = 0.02;  // kg, N s/m, m/rad
 
 RigParams slider(double share, double cutoff_Hz, int status_every) {
-  RigParams rig;
-  rig.buses = {{.name = "can0"}};
-  rig.tree.joints = {{.name = "slide", .kind = DeviceJointKind::slider, .axis_J = Vec3::UnitX()}};
-  rig.tree.handles = {{.body = "tool", .joint = "slide"}};
-  DriveParams drive;
-  drive.joint = "slide";
-  drive.node_id = 1;
+  RigParams rig = slider_rig_params(radius, 1e6);
+  DriveParams& drive = rig.drives.front();
   drive.torque_rated_Nm = 0.01;
   drive.torque_max_Nm = 0.2;
   drive.torque_rate_Nm_per_s = 1000;
-  drive.joint_per_motor_rad = radius;
   drive.status_every_nth_sync = static_cast<std::uint8_t>(status_every);
-  drive.calibration.counts_per_unit = 1e6;
-  rig.drives = {drive};
   if (share > 0) rig.compensation.inertia = {share * mass};
   rig.compensation.inertia_cutoff = 2 * pi * cutoff_Hz;
   return rig;

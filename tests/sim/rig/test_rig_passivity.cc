@@ -14,20 +14,12 @@ constexpr double mass = 0.05, damping = 0.5, stiffness = 20e3;  // kg, N s/m, N/
 constexpr double motor_radius = 0.01;                           // m/rad
 
 RigParams slider_params() {
-  RigParams rig;
-  rig.buses = {{.name = "can0"}};
-  rig.tree.joints = {{.name = "slide", .kind = DeviceJointKind::slider, .axis_J = Vec3::UnitX()}};
-  rig.tree.handles = {{.body = "tool", .joint = "slide"}};
-  DriveParams drive;
-  drive.joint = "slide";
-  drive.node_id = 1;
+  RigParams rig = slider_rig_params(motor_radius, 1e5);  // 10 um
+  DriveParams& drive = rig.drives.front();
   drive.sign = -1;
   drive.torque_rated_Nm = 0.1;
   drive.torque_max_Nm = 0.3;
   drive.torque_rate_Nm_per_s = 100;
-  drive.joint_per_motor_rad = motor_radius;
-  drive.calibration.counts_per_unit = 1e5;  // 10 um
-  rig.drives = {drive};
   return rig;
 }
 
