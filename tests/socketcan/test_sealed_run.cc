@@ -20,10 +20,11 @@ class SealedOnSocketCan : public ProgramTest {
 
 TEST_F(SealedOnSocketCan, WithTraceAndRecord) {
   // user-mode-linux takes up to 5 ms for the calls of a cycle, beside the simulated rig
-  std::string usual = patient_toml();
-  usual.replace(usual.find("5e-3"), 4, "1e-2");
-  const std::string scene = write("scene.toml", length_of<std::string>(usual, two_joints_toml));
-  const int seconds = sealed_seconds(6);
+  constexpr double step = 1e-2;
+  std::string text = patient_toml();
+  text.replace(text.find("5e-3"), 4, "1e-2");
+  const std::string scene = write("scene.toml", text);
+  const int seconds = sealed_seconds(6, step);
   BackgroundProgram far({"simulate", scene, "--control", "-", "--bus", "can0=socketcan:vcan0", "--bus",
                          "can1=socketcan:vcan1"});
   for (std::string line = far.line(); line != "ready"; line = far.line()) ASSERT_NE(line, "");
@@ -32,7 +33,7 @@ TEST_F(SealedOnSocketCan, WithTraceAndRecord) {
       "run " + scene + " --bus can0=socketcan:vcan0 --bus can1=socketcan:vcan1 --seal --duration " +
       std::to_string(seconds) + " --trace " + path("trace.csv") + " --record " + path("bus.log") +
       " --record " + path("run.godo") + " --report " + path("report.json"));
-  expect_sealed(path("report.json"), seconds, length_of(1e-2, 1e-3), guard, result.output);
+  expect_sealed(path("report.json"), seconds, step, guard, result.output);
   const nlohmann::json report = nlohmann::json::parse(read_file(path("report.json")), nullptr, false);
   EXPECT_GT(report["answers"]["frames"], report["cycles"]);
   const ProgramResult again = run_program("replay " + path("run.godo"));
