@@ -55,7 +55,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   InputLogWriter writer(head, start, [&](const InputLogWriter::Chunk& chunk) { file += chunk.bytes; });
   if (in.byte() % 8 == 0) file.resize(8);  // the magic alone: the head is from the input, too
   while (!in.empty()) {
-    const std::uint32_t kind = in.byte() % 5u;
+    const std::uint32_t kind = in.byte() % (static_cast<std::uint32_t>(InputLogKind::links) + 1);
     const auto payload = in.bytes(in.byte());
     put_chunk(file, "CHNK", kind, {reinterpret_cast<const char*>(payload.data()), payload.size()});
   }
