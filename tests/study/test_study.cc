@@ -54,13 +54,14 @@ struct QuickRun {
     options.machine = "a test";
     options.command = "the test's command";
     fs::create_directories(folder.path() / "docs");
-    std::ofstream(options.report) << "# An older report\n\n" << sanitizers << "\nafter it\n";
+    std::ofstream(options.report) << "# An older report\n\n" << head << '\n' << sanitizers << "\nafter it\n";
     results = run_study(options, say_nothing);
   }
 
   fs::path out(const std::string& file) const { return folder.path() / "out" / file; }
   fs::path docs(const std::string& file) const { return folder.path() / "docs" / file; }
 
+  static constexpr const char* head = "<!-- begin of the head -->\nof them\n<!-- end of the head -->\n";
   static constexpr const char* sanitizers =
       "<!-- begin of the long checks -->\nof an earlier day\n<!-- end of the long checks -->\n";
   Folder folder;
@@ -121,7 +122,8 @@ void expect_report(const QuickRun& run) {
                            "| god-object |",
                            "| imposed |"})
     EXPECT_NE(report.find(text), std::string::npos) << text;
-  EXPECT_NE(report.find(QuickRun::sanitizers), std::string::npos) << "a study does not run them";
+  for (const char* section : {QuickRun::head, QuickRun::sanitizers})
+    EXPECT_NE(report.find(section), std::string::npos) << "other commands write it";
   EXPECT_EQ(report.find("An older report"), std::string::npos);
   EXPECT_EQ(report.find("nan"), std::string::npos);
 }

@@ -14,13 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_question(std::ostream& out, const StudyOptions& options) {
+void write_question(std::ostream& out, const StudyOptions& options, const std::string& head) {
   out << "# Report: error, stability and size of the step\n\n"
       << "Written by `" << options.command << "` on " << options.machine << "; built by "
       << build_description() << ".\n"
       << (options.quick ? "**A quick run: small grids, short scenes.** " : "")
       << "Every number below comes from that run, but those of the map and of other engines.\n\n"
-      << "## What was asked\n\n"
+      << head << "\n## What was asked\n\n"
       << "Error against run time of each integrator; stability in stiff and extreme cases; what a part "
          "costs.\n\n";
 }
@@ -117,10 +117,11 @@ void copy_figures(const StudyOptions& options, const StudyResults& results) {
   }
 }
 
-/// Returns the section of the long checks from the report before; else an empty one. `./dev sanitize` and
-/// `./dev mutate` write it.
-std::string long_checks_of(const fs::path& report) {
-  const std::string begin = "<!-- begin of the long checks -->\n", end = "<!-- end of the long checks -->\n";
+/// Returns a section that another command writes, from the report before; else an empty one. head:
+/// tests/study/report/head.py; long checks: `./dev sanitize` and the like.
+std::string section_of(const fs::path& report, const std::string& name) {
+  const std::string begin = "<!-- begin of the " + name + " -->\n",
+                    end = "<!-- end of the " + name + " -->\n";
   std::ifstream in(report);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t from = text.find(begin), to = text.find(end);
@@ -132,9 +133,10 @@ std::string long_checks_of(const fs::path& report) {
 
 void write_report(const StudyOptions& options, const StudyResults& results) {
   if (options.report.has_parent_path()) fs::create_directories(options.report.parent_path());
-  const std::string long_checks = long_checks_of(options.report);
+  const std::string head = section_of(options.report, "head");
+  const std::string long_checks = section_of(options.report, "long checks");
   std::ofstream out(options.report);
-  write_question(out, options);
+  write_question(out, options, head);
   out << "## Result\n\n";
   write_error(out, results.errors);
   write_random(out, results.random);
