@@ -2,20 +2,31 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include "tests/support/drawn_wall.h"
 #include "tests/support/wall_laws.h"
 
 namespace godobject {
 
-inline constexpr std::array z_width_grid_N_per_m{200.0, 300.0, 500.0, 700.0, 1e3,  1.5e3, 2e3,  3e3,  5e3,
-                                                 7e3,   10e3,  15e3,  20e3,  30e3, 50e3,  70e3, 100e3};
+/// Last stiffness of the grid, N/m, at which one count of 10 um is 10 kN: more than any drive displays.
+inline constexpr double z_width_end_N_per_m = 1e9;
+
+/// Returns the stiffnesses of the grid, N/m: six in a decade.
+inline std::vector<double> z_width_grid() {
+  std::vector<double> grid;
+  for (double decade = 100; decade < z_width_end_N_per_m; decade *= 10)
+    for (const double factor : {1.0, 1.5, 2.0, 3.0, 5.0, 7.0}) grid.push_back(factor * decade);
+  grid.push_back(z_width_end_N_per_m);
+  return grid;
+}
 
 /// Returns the stiffest wall of the grid up to which all give no more than the margin, N/m; 0: none does. The
 /// hand presses with 2 N.
 inline double stiffest(SampledWall wall) {
   double last = 0;
-  for (const double stiffness : z_width_grid_N_per_m) {
+  for (const double stiffness : z_width_grid()) {
     wall.stiffness = stiffness;
     const WallRun run = run_wall(wall, 3, [](double) { return 2.0; });
     if (!run.finite || run.given_J > margin_J) break;

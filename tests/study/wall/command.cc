@@ -16,15 +16,13 @@ namespace {
 /// Returns kN/m, to two digits.
 std::string kilo(double N_per_m) {
   std::array<char, 32> digits{};
-  std::snprintf(digits.data(), digits.size(), "%.2g", 1e-3 * N_per_m);
+  const char* const format = N_per_m < 1e5 ? "%.2g" : "%.0f";
+  std::snprintf(digits.data(), digits.size(), format, 1e-3 * N_per_m);
   return digits.data();
 }
 
-/// Returns the stiffest wall found, "0" if none is passive, and ">=100" at the end of the grid.
-std::string found(double N_per_m) {
-  return N_per_m < z_width_grid_N_per_m.back() ? kilo(N_per_m)
-                                               : ">=" + std::to_string(std::lround(1e-3 * N_per_m));
-}
+/// Returns the stiffest wall found, "0" if none is passive, and "any" at the end of the grid.
+std::string found(double N_per_m) { return N_per_m < z_width_end_N_per_m ? kilo(N_per_m) : "any"; }
 
 std::string row_text(const ZWidthPlace& place) {
   std::array<char, 96> head{};
