@@ -181,6 +181,37 @@ void expect_no_wrong_pose(const Bytes& reply, std::uint16_t options, const PoseR
   if (!whole) ++errors;
 }
 
+/// Reply to BX2 that another author has written: the stub of a Vega in ArtiSynth
+/// (hamidreza-aftabi/artisynth_istar, commit 8c1362c, src/artisynth/istar/NDI/NDIStubServer.java). It has a
+/// frame with a tool and its four markers, of a sample of 30 June 2016.
+constexpr std::string_view bx2_of_artisynth =
+    "c4a5a40057d3010001000100a000000000000100000002000000bf052e38cb74755712a2d92a01000200020030000000"
+    "00000100000001000020c9ffb43ecfbcacbec91e41be62125a3fdd243dc3675552c2f678d4c4213d093f030050000000"
+    "0000010000000100040000000000cf1756c3c80797c1a4f8d6c400000100aec72ec3d3ded0c1d7c3d0c40000020029fc"
+    "47c3beffb1c27bfcd7c4000003004cb727c35bb198c2e12ad2c4969d";
+
+TEST(NdiReply, Bx2OfAnotherAuthor) {
+  ReplyReceiver receiver;
+  Event event = Event::more;
+  for (std::size_t i = 0; i < bx2_of_artisynth.size(); i += 2) {
+    ASSERT_EQ(event, Event::more) << i;
+    event = receiver.push(
+        static_cast<std::uint8_t>(std::stoul(std::string(bx2_of_artisynth.substr(i, 2)), nullptr, 16)));
+  }
+  ASSERT_EQ(event, Event::binary) << "with its two CRCs";
+  PoseReply reply;
+  ASSERT_EQ(parse_bx2(receiver.content(), reply), ParseResult::ok);
+  EXPECT_EQ(reply.t_ns, 1'467'315'403'718'905'874);  // 0x577574CB s, 0x2AD9A212 ns
+  ASSERT_EQ(reply.num_handles, 1u);
+  const HandlePose& pose = reply.handles[0];
+  EXPECT_EQ(pose.handle, 1);
+  EXPECT_EQ(pose.status, HandleStatus::valid);
+  EXPECT_EQ(pose.frame, 0x382E05BFu);
+  EXPECT_LT((pose.X_TH.p - Vec3(-0.189144, -0.0525834, -1.69978)).norm(), 1e-7);
+  EXPECT_LT((pose.X_TH.q.coeffs() - Quat(0.353514, -0.337378, -0.188594, 0.851843).coeffs()).norm(), 1e-6);
+  EXPECT_NEAR(pose.error_m, 0.536089e-3, 1e-9);
+}
+
 TEST(NdiReply, ACorruptedRecordingGivesErrorsAndNoWrongPose) {
   const auto path = test::shared_file(streams / "polaris_stream_08_31_2005_NDICommandInterpreter.bin");
   if (path.empty()) GTEST_SKIP() << "no recorded NDI streams";
