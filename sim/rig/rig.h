@@ -77,6 +77,10 @@ class SimRig {
   JointTarget joints() const noexcept { return {.q = plant_->q(), .q_dot = plant_->q_dot()}; }
   /// True while the device could reach every pose so far.
   bool reachable() const noexcept { return reachable_; }
+  /// Returns the torque of the hand on a joint in the last sub-step, N m or N. joint: index.
+  double hand_torque(std::size_t joint) const noexcept {
+    return plant_->hand_torque()[static_cast<Eigen::Index>(joint)];
+  }
   /// Returns the mean load of a bus since the start, percent.
   double load_percent(std::size_t bus, Nanoseconds now) const noexcept;
 
