@@ -131,7 +131,8 @@ inline bool LiveView::point(std::uint64_t client, const PointerMessage& message)
 //              <body>.force, <body>.torque. A device that grips bodies has hand.force and hand.torque instead
 //   STATUS     1 while it runs, 13 before, 19 after, 18 with a fault of the device, 2 with one of the core;
 //              sub-code: the cycle; device: godobject
-// Names are cut at 20 characters. Times are those of day at which messages are sent.
+// Names are cut at 20 characters. Messages have the time of day of the step that they describe. On real buses
+// and trackers it is t_bus of the trace, otherwise the end of the step.
 
 /// Server of OpenIGTLink for a running session, on a thread of its own.
 class OpenIgtLinkServer {
@@ -140,6 +141,7 @@ class OpenIgtLinkServer {
     std::string address = "127.0.0.1";  // IPv4, of the listening socket
     std::uint16_t port = 18944;
     double rate_hz = 60;
+    Nanoseconds wall_origin_ns = 0;  // time of day when the clock of the buses is 0
   };
 
   /// Listens and starts the thread. Returns null with the reason and the remedy in why_not.
@@ -159,7 +161,7 @@ class OpenIgtLinkServer {
     std::vector<std::uint8_t> unsent{};  // rest of messages; until it is sent, the client receives no others
   };
 
-  OpenIgtLinkServer(int listener, Nanoseconds period, const Session& session);
+  OpenIgtLinkServer(int listener, const Settings& settings, const Session& session);
   void run(const std::stop_token& stop);
   void accept_clients();
   /// Removes clients that have closed, and drops the bytes that others have sent.
@@ -168,7 +170,7 @@ class OpenIgtLinkServer {
   void send_rest(Client& client);
 
   int listener_;
-  Nanoseconds period_;
+  Nanoseconds period_, wall_origin_ns_;
   const SceneConfig scene_;
   std::vector<std::size_t> driven_;
   ViewTap tap_;

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <system_error>
 
 #include "hal/tracker/openigtlink.h"
@@ -112,13 +111,13 @@ std::unique_ptr<OpenIgtLinkServer> OpenIgtLinkServer::start(const Settings& sett
     if (listener >= 0) close(listener);
     return nullptr;
   }
-  const auto period = static_cast<Nanoseconds>(1e9 / settings.rate_hz);
-  return std::unique_ptr<OpenIgtLinkServer>(new OpenIgtLinkServer(listener, period, session));
+  return std::unique_ptr<OpenIgtLinkServer>(new OpenIgtLinkServer(listener, settings, session));
 }
 
-OpenIgtLinkServer::OpenIgtLinkServer(int listener, Nanoseconds period, const Session& session)
+OpenIgtLinkServer::OpenIgtLinkServer(int listener, const Settings& settings, const Session& session)
     : listener_(listener),
-      period_(period),
+      period_(static_cast<Nanoseconds>(1e9 / settings.rate_hz)),
+      wall_origin_ns_(settings.wall_origin_ns),
       scene_(session.scene()),
       driven_(driven_bodies(scene_)),
       tap_(session),
@@ -177,10 +176,8 @@ void OpenIgtLinkServer::listen_to_clients() {
 }
 
 void OpenIgtLinkServer::send_to_clients(const ViewSample& sample) {
-  const auto t = std::chrono::system_clock::now().time_since_epoch();
   bytes_.clear();
-  append_openigtlink(sample, scene_, driven_, std::chrono::duration_cast<std::chrono::nanoseconds>(t).count(),
-                     bytes_);
+  append_openigtlink(sample, scene_, driven_, sample.t_ns + wall_origin_ns_, bytes_);
   for (Client& client : clients_) {
     if (!client.unsent.empty()) continue;
     client.unsent = bytes_;

@@ -8,6 +8,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -27,6 +29,9 @@
 
 #include "hal/tracker/openigtlink.h"
 #include "platform/linux/device_threads.h"
+#include "platform/rig/buses.h"
+#include "platform/simulated/session.h"
+#include "platform/view/live.h"
 #include "tests/support/background_program.h"
 #include "tests/support/free_port.h"
 #include "tests/support/held_run.h"
@@ -113,6 +118,66 @@ TEST(OpenIgtLinkThread, AMissingServerIsNamed) {
   EXPECT_TRUE(read_until(*thread, report, [&] { return report.text[0] != '\0'; }));
   EXPECT_EQ(report.state, TrackerState::opening);
   EXPECT_THAT(report.text.data(), HasSubstr(address + ": cannot be connected: Connection refused"));
+}
+
+// ---- the server ------------------------------------------------------------------------------------
+
+/// Returns a session on a simulated rig that it takes for a real one, whose clock begins at 0.
+std::unique_ptr<Session> session_on_buses() {
+  LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
+  std::vector<std::string> errors;
+  const RigProfiles profiles = checked_profiles(*loaded.scene, "", errors);
+  SceneConfig scene = *std::move(loaded.scene);
+  Motion motion(scene);
+  auto link = std::make_unique<SimLink>(sim_rig_config(scene), scene.step, hand_of(motion),
+                                        gather_time(scene.step) / gather_polls, profiles);
+  return std::move(Session::make(std::move(scene), std::move(motion), std::move(link)).session);
+}
+
+/// Appends the times of the complete messages that a client has received.
+void receive_times(int client, openigtlink::Receiver& receiver, std::vector<Nanoseconds>& times) {
+  std::array<std::uint8_t, 4096> received{};
+  const ssize_t size = recv(client, received.data(), received.size(), MSG_DONTWAIT);
+  if (size <= 0) return;
+  std::span<const std::uint8_t> bytes = std::span(received).first(static_cast<std::size_t>(size));
+  while (!bytes.empty())
+    if (receiver.push(bytes) != openigtlink::Receiver::Event::more) times.push_back(receiver.header().t);
+}
+
+TEST(OpenIgtLinkServer, MessagesHaveTheTimeOfTheirStep) {
+  const std::unique_ptr<Session> session = session_on_buses();
+  ASSERT_NE(session, nullptr);
+  OpenIgtLinkServer::Settings settings{.rate_hz = 200, .wall_origin_ns = 1'700'000'000'000'000'000};
+  settings.port = static_cast<std::uint16_t>(free_port());
+  std::string why_not;
+  const auto server = OpenIgtLinkServer::start(settings, *session, why_not);
+  ASSERT_NE(server, nullptr) << why_not;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(settings.port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int client = socket(AF_INET, SOCK_STREAM, 0);
+  ASSERT_EQ(connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+
+  ASSERT_TRUE(session->boot(usual_boot_limit_s));
+  CycleRecord record = session->at_start();
+  std::vector<Nanoseconds> steps, times;
+  openigtlink::Receiver receiver;
+  for (int i = 0; i < 5000 && times.size() < 100; ++i) {
+    session->cycle(record);
+    steps.push_back(record.t_bus_ns + settings.wall_origin_ns);
+    server->tap().offer(*session, record);
+    usleep(1000);
+    receive_times(client, receiver, times);
+  }
+  close(client);
+  ASSERT_GE(times.size(), 100u);
+  EXPECT_GT(times.back(), times.front());
+  for (const Nanoseconds t : times) {
+    const auto step = std::ranges::lower_bound(steps, t - 1);  // 2^-32 s are rounded
+    ASSERT_NE(step, steps.end());
+    EXPECT_LE(*step, t + 1);
+  }
 }
 
 // ---- the library's peers ---------------------------------------------------------------------------

@@ -130,9 +130,10 @@ std::vector<std::unique_ptr<TrackerThread>> start_trackers(const std::vector<Tra
 }
 
 std::unique_ptr<OpenIgtLinkServer> start_openigtlink(const RunOptions& options, PreparedRun& prepared,
-                                                     std::string& why_not) {
+                                                     Nanoseconds wall_origin_ns, std::string& why_not) {
   if (options.openigtlink.empty()) return nullptr;
-  OpenIgtLinkServer::Settings settings{.rate_hz = options.openigtlink_rate_hz};
+  OpenIgtLinkServer::Settings settings{.rate_hz = options.openigtlink_rate_hz,
+                                       .wall_origin_ns = wall_origin_ns};
   const std::size_t colon = options.openigtlink.rfind(':');
   if (colon != std::string::npos) settings.address = options.openigtlink.substr(0, colon);
   const std::string port = options.openigtlink.substr(colon == std::string::npos ? 0 : colon + 1);

@@ -200,9 +200,9 @@ std::vector<std::string> view_lines(const std::string& url, const std::string& a
 std::string view_warning(const std::string& address);
 
 /// Starts the server of --openigtlink and sets the plan's tap. Null without the option, or with the reason in
-/// why_not.
+/// why_not. wall_origin_ns: time of day when the clock of the buses is 0.
 std::unique_ptr<OpenIgtLinkServer> start_openigtlink(const RunOptions& options, PreparedRun& prepared,
-                                                     std::string& why_not);
+                                                     Nanoseconds wall_origin_ns, std::string& why_not);
 
 class RunView {
  public:

@@ -137,14 +137,16 @@ ExitCode run(RunOptions options) {
     print_lines(stderr, "", why_not.empty() ? view.announcement() : std::vector{why_not});
     if (!why_not.empty()) return ExitCode::not_available;
   }
+  const Nanoseconds origin_ns = prepared.log ? 0 : log_origin_ns();  // a log has times of day
   std::string no_openigtlink;
-  const std::unique_ptr<OpenIgtLinkServer> openigtlink = start_openigtlink(options, prepared, no_openigtlink);
+  const std::unique_ptr<OpenIgtLinkServer> openigtlink =
+      start_openigtlink(options, prepared, origin_ns, no_openigtlink);
   if (!no_openigtlink.empty()) {
     print_lines(stderr, "", {no_openigtlink});
     return ExitCode::not_available;
   }
   std::optional<Nanoseconds> wall_origin_ns;
-  if (session.bus() == BusChoice::real && !prepared.log) wall_origin_ns = log_origin_ns();
+  if (session.bus() == BusChoice::real && !prepared.log) wall_origin_ns = origin_ns;
   RunFiles files(options.files, session.scene(), wall_origin_ns.value_or(0));
   const std::optional<RunResult> result = run_to_end(options, prepared, files, real ? &*real : nullptr, view);
   if (!result) {
