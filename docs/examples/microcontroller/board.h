@@ -30,6 +30,7 @@ struct SysTick {
 };
 inline SysTick& systick() { return *reinterpret_cast<SysTick*>(0xe000e010); }
 inline constexpr std::uint32_t range = 1 << 24;
+inline constexpr double ticks_per_s = 25e6;
 
 inline void start_ticks() {
   systick().reload = range - 1;
@@ -41,6 +42,9 @@ inline std::uint32_t ticks() { return range - systick().value; }
 inline std::uint32_t instructions(std::uint32_t begin, std::uint32_t end) {
   return static_cast<std::uint32_t>(std::uint64_t{(end - begin) % range} * 40 / 64);
 }
+
+/// Sleeps until an interrupt.
+inline void wait_for_interrupt() { asm volatile("wfi" ::: "memory"); }
 
 inline std::uint32_t* frame() { return static_cast<std::uint32_t*>(__builtin_frame_address(0)); }
 inline constexpr std::uint32_t paint = 0xc5c5c5c5;

@@ -25,16 +25,23 @@ int main();
 }
 
 [[noreturn]] void fault() { board::exit(3); }
+
+// Interrupts of a firmware that enables and defines them.
+[[gnu::weak, gnu::alias("fault")]] void systick_elapsed();
+[[gnu::weak, gnu::alias("fault")]] void uart0_received();
 }
 
 namespace {
 
 struct Vectors {
   const void* initial_stack;
-  void (*handlers[6])();  // reset, NMI, hard fault, memory, bus, usage
+  void (*faults[6])();       // reset, NMI, hard fault, memory, bus, usage
+  void (*not_enabled[8])();  // reserved, supervisor calls
+  void (*systick)();
+  void (*interrupts[1])();
 };
 
-[[gnu::section(".vectors"), gnu::used]] const Vectors vectors{stack_top,
-                                                              {reset, fault, fault, fault, fault, fault}};
+[[gnu::section(".vectors"), gnu::used]] const Vectors vectors{
+    stack_top, {reset, fault, fault, fault, fault, fault}, {}, systick_elapsed, {uart0_received}};
 
 }  // namespace
