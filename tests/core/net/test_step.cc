@@ -267,8 +267,7 @@ TEST(NetStep, SpringsArePutInOrder) {
   EXPECT_EQ(validate(run->par), Invalid::nothing);
 }
 
-// A scene without a net has no storage for it. Absence of code:
-// contacts.no_scene_pays_for_contacts_it_has_not.
+// A scene without a net has no storage for it. Absence of code: freestanding/unlisted_parts.py.
 struct WithoutNet {
   static constexpr std::size_t max_bodies = 4;
   using Integrator = TrBdf2;
