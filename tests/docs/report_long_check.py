@@ -13,7 +13,8 @@ BEGIN, END = "<!-- begin of the long checks -->\n", "<!-- end of the long checks
 HEAD = """## Sanitizers and mutants
 
 Last runs: asan-all, tsan-all, rtsan by `./dev sanitize`, over every test; mutants by `./dev mutate`, survivors in
-`tests/mutation/survivors.txt`; endure by `./dev endure`; the others, with fewer tests, by `./dev test --all`.
+`tests/mutation/survivors.txt`; endure by `./dev endure`; aarch64 by `./dev test-aarch64`; the others, with fewer tests, by
+`./dev test --all`.
 
 | check | of | result | date | commit |
 |---|---|---|---|---|
