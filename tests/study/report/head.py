@@ -11,9 +11,9 @@ import subprocess
 import sys
 import tempfile
 
-BEGIN, END = "<!-- begin of the head -->\n", "<!-- end of the head -->\n"
 SCENES = {"S1": "rigid tool", "S3": "grasper", "S5": "five links"}
 OURS = ("implicit-euler", "tr-bdf2")
+NONE = "none so fast"  # cell of a table
 COLOURS = {"implicit-euler": "#7b1fa2", "tr-bdf2": "#2e7d32", "MuJoCo 2.2": "#00acc1", "Bullet 3.24": "#777777", "ODE 0.16": "#daa520",
            "Simbody 3.7": "#ad1457"}
 
@@ -52,6 +52,12 @@ def whole(value):
     return f"{float(f'{value:.2g}'):g}"
 
 
+def times_text(ratio):
+    """Returns 'N times' from a cell 'N (engine)', N maybe a bound, and the engine."""
+    bound, value, engine = re.match(r"([<>]?) ?([\d.e+-]+) \((.*)\)$", ratio).groups()
+    return {"": "", "<": "at most ", ">": "at least "}[bound] + f"{whole(float(value))} times", engine
+
+
 def winners(line):
     """Returns 'engine (scenes)' for each engine in a line of the section about other engines."""
     scenes = {}
@@ -71,14 +77,27 @@ class Report:
         self.peers = table(text, "## Beside other engines", ["engine", "S1, m"])
         self.work = table(text, "## Beside other engines", ["scene", "ours"])
         self.bricks = table(text, "## Beside other engines", ["engine", "S4, m"])
+        self.nets = table(text, "## Beside other engines", ["engine", "S6"])
         self.cells = {scheme: [int(n) for n in found(rf"- {scheme}: (\d+), (\d+), (\d+), (\d+)", text).groups()]
                       for scheme in (*OURS, "explicit")}
 
+    def better_than(self, integrator):
+        """Returns which engines are better than one of our integrators, on which scenes; empty if none is."""
+        at_1_ms = re.search(rf"\n- than {integrator}: (.*)", self.text)
+        in_time = re.search(r"\n- in equal native time or to an equal error: (.*)", self.text)
+        timed = re.findall(rf"S\d than {integrator} \([^;]*", in_time.group(1)) if in_time else []
+        parts = [f"at a step of 1 ms {winners(at_1_ms.group(1))}"] if at_1_ms else []
+        return "; ".join(parts + ([f"in equal native time or to an equal error {winners('; '.join(timed))}"] if timed else []))
+
     def first_line(self):
-        at_1_ms = found(r"\n- than tr-bdf2: (.*)", self.text).group(1)
-        in_time = re.findall(r"S\d than tr-bdf2 \([^;]*", found(r"\n- in equal native time or to an equal error: (.*)", self.text).group(1))
-        line = f"**Other engines are better** than tr-bdf2, by 5 % or more: at a step of 1 ms {winners(at_1_ms)}"
-        return line + (f"; in equal native time or to an equal error {winners('; '.join(in_time))}." if in_time else ".")
+        parts = [f"than {integrator} {better}" for integrator in reversed(OURS) if (better := self.better_than(integrator))]
+        if not parts:
+            return "No other engine is better than ours, by 5 % or more."
+        return f"**Other engines are better**, by 5 % or more: {'. Also '.join(parts)}."
+
+    def time(self, engine, scene):
+        """Returns the time of a step of 1 ms, us, of the run in which all native engines took turns."""
+        return next(r for r in self.peers if r[0] == engine)[3 + 3 * list(SCENES).index(scene)]
 
     def accurate(self):
         parts = []
@@ -90,7 +109,7 @@ class Report:
     def fast(self):
         parts = []
         for scene, name in SCENES.items():
-            times = [float(self.errors[scene, scheme][8]) / 1000 for scheme in OURS]
+            times = [float(self.time(scheme, scene)) for scheme in OURS]
             counts = [self.errors[scene, scheme][9] for scheme in OURS]
             parts.append(f"{name} {times[0]:.2g} / {times[1]:.2g} us ({' / '.join(counts)} instructions)")
         return f"a step with implicit Euler / tr-bdf2: {'; '.join(parts)}"
@@ -113,18 +132,13 @@ class Report:
 
     def compared(self):
         ratios = {r[0]: r[2] for r in self.work if r[1] == "tr-bdf2"}
-        equal = "; ".join(f"{scene} {'no other is so fast' if ratio == 'none so fast' else self.times(ratio)}"
+        equal = "; ".join(f"{scene} {'no other is so fast' if ratio == NONE else '{} ({})'.format(*times_text(ratio))}"
                           for scene, ratio in ratios.items())
         ours = float(next(r[3] for r in self.bricks if r[0] == "implicit-euler"))
         native = [(float(r[3]), r[0]) for r in self.bricks if r[0] != "implicit-euler" and not r[3].endswith("W")]
         bricks = min(native)
         return (f"error of the best native engine in the time of our step of 1 ms, over ours: {equal}. 64 bricks (S4): "
                 f"{ours:.3g} us, the fastest other {bricks[0]:.3g} us ({bricks[1]})")
-
-    @staticmethod
-    def times(ratio):
-        value, engine = ratio.split(" (", 1)
-        return f"{whole(float(value))} times ({engine}"
 
     def head(self):
         rows = [("How accurate?", self.accurate(), "#1-error-against-run-time"), ("How fast?", self.fast(), "#1-error-against-run-time"),
@@ -203,21 +217,28 @@ set yrange [0:1]
         return "".join(f"{r[at + 2]} {r[at]} {[r[0].startswith(name) for name in COLOURS].index(True)}\n" for r in good)
 
 
+def split(path, name):
+    """Returns the text of a page before a section between markers, the section, and the text after it."""
+    text = pathlib.Path(path).read_text()
+    begin, end = f"<!-- begin of the {name} -->\n", f"<!-- end of the {name} -->\n"
+    if begin not in text or end not in text:
+        sys.exit(f"{path}: has no lines {begin}and {end}between which its section belongs: add them where it shall be")
+    first, last = text.index(begin) + len(begin), text.index(end)
+    return text[:first], text[first:last], text[last:]
+
+
 def main():
     arguments = [a for a in sys.argv[1:] if a != "--check"]
     if len(arguments) != 1:
         sys.exit(__doc__)
     path = pathlib.Path(arguments[0])
-    text = path.read_text()
-    if BEGIN not in text or END not in text:
-        sys.exit(f"{path}: has no lines {BEGIN}and {END}between which the head belongs: write the report with ./dev study first")
-    report = Report(text)
-    begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
+    before, head, after = split(path, "head")
+    report = Report(before + head + after)
     if "--check" in sys.argv:
-        if text[begin:end] != report.head():
+        if head != report.head():
             sys.exit(f"{path}: the head is not that of the sections: tests/study/report/head.py {path}")
         return
-    path.write_text(text[:begin] + report.head() + text[end:])
+    path.write_text(before + report.head() + after)
     report.draw(path.parent / "figures/overview.png")
 
 
