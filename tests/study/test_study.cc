@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/study/map/section.h"
+#include "tests/study/peer/section.h"
 #include "tests/study/tool.h"
 
 namespace godobject::study::test_study {
@@ -54,16 +56,24 @@ struct QuickRun {
     options.machine = "a test";
     options.command = "the test's command";
     fs::create_directories(folder.path() / "docs");
-    std::ofstream(options.report) << "# An older report\n\n" << head << '\n' << sanitizers << "\nafter it\n";
+    std::ofstream report(options.report);
+    report << "# An older report\n\n";
+    for (const std::string& section : sections) report << section << '\n';
+    report << "after it\n";
+    report.close();
     results = run_study(options, say_nothing);
   }
 
   fs::path out(const std::string& file) const { return folder.path() / "out" / file; }
   fs::path docs(const std::string& file) const { return folder.path() / "docs" / file; }
 
-  static constexpr const char* head = "<!-- begin of the head -->\nof them\n<!-- end of the head -->\n";
-  static constexpr const char* sanitizers =
-      "<!-- begin of the long checks -->\nof an earlier day\n<!-- end of the long checks -->\n";
+  /// Sections that other commands write.
+  static inline const std::vector<std::string> sections{
+      "<!-- begin of the head -->\nof them\n<!-- end of the head -->\n",
+      map_begin + std::string("## An earlier map\n") + map_end,
+      peers_begin + std::string("## Earlier peers\n") + peers_end,
+      "<!-- begin of the steps -->\nof earlier benchmarks\n<!-- end of the steps -->\n",
+      "<!-- begin of the long checks -->\nof an earlier day\n<!-- end of the long checks -->\n"};
   Folder folder;
   StudyResults results;
 };
@@ -112,7 +122,6 @@ void expect_report(const QuickRun& run) {
                            "| released | 3 |",
                            "the last one heavier, released | 4 | 2 |",
                            "| a box on eight spheres",
-                           "<!-- begin of the stability map -->",
                            "| 100 | tr-bdf2 |",
                            "| S1 | tr-bdf2 |",
                            "| S3 | tr-bdf2 |",
@@ -122,8 +131,11 @@ void expect_report(const QuickRun& run) {
                            "| god-object |",
                            "| imposed |"})
     EXPECT_NE(report.find(text), std::string::npos) << text;
-  for (const char* section : {QuickRun::head, QuickRun::sanitizers})
-    EXPECT_NE(report.find(section), std::string::npos) << "other commands write it";
+  std::size_t at = 0;
+  for (const std::string& section : QuickRun::sections) {
+    at = report.find(section, at);
+    ASSERT_NE(at, std::string::npos) << "lost, or out of order: " << section;
+  }
   EXPECT_EQ(report.find("An older report"), std::string::npos);
   EXPECT_EQ(report.find("nan"), std::string::npos);
 }

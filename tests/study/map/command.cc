@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 struct MapArguments {
   std::uint64_t seed = 1, samples = 16000, sample = 0;
   std::string shard = "1/1";
+  bool replaces = false;
   std::vector<std::string> merge;
   std::string out, report;
 };
@@ -58,6 +59,7 @@ void run_or_merge(const MapArguments& a) {
                        .samples = a.samples,
                        .shard = parse_shard(a.shard),
                        .fingerprint = map_fingerprint()};
+    if (a.replaces && !begins_with(head, a.out)) fs::remove(a.out);
     run_shard(head, a.out, ProgressLine(a.shard));
   } else {
     merge_shards({a.merge.begin(), a.merge.end()}, a.out);
@@ -76,6 +78,8 @@ int run(int argc, char** argv) {
   CLI::Option* const shard =
       app.add_option("--shard", a.shard, "part of the run, k/n (1/1); an interrupted file is continued");
   CLI::Option* const out = app.add_option("--out", a.out, "CSV file to write");
+  app.add_flag("--replace", a.replaces, "replace a file of another run or program, which is refused without")
+      ->needs(out);
   app.add_option("--merge", a.merge, "write the union of these shards instead of running")
       ->needs(out)
       ->excludes(seed)

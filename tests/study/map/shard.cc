@@ -174,6 +174,12 @@ MapFile read_map(const fs::path& file) {
   return map;
 }
 
+bool begins_with(const MapHead& head, const fs::path& file) {
+  std::string first(head.lines().size(), '\0');
+  std::ifstream(file, std::ios::binary).read(first.data(), static_cast<std::streamsize>(first.size()));
+  return first == head.lines();
+}
+
 void run_shard(const MapHead& head, const fs::path& file, const MapProgress& progress) {
   std::uint64_t row = 0;
   const bool continues = fs::exists(file);

@@ -57,6 +57,9 @@ struct MapFile {
 /// The same if its rows are not the first ones of its shard.
 MapFile read_map(const std::filesystem::path& file);
 
+/// True if the file begins with this head: it is of the same run, which run_shard() continues.
+bool begins_with(const MapHead& head, const std::filesystem::path& file);
+
 /// rows done, rows in all
 using MapProgress = std::function<void(std::uint64_t, std::uint64_t)>;
 

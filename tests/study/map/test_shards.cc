@@ -146,6 +146,31 @@ TEST_F(Shards, FilesOfOtherRunsAreNotContinued) {
   EXPECT_EQ(content_of(file), "a letter");
 }
 
+TEST_F(Shards, WithReplaceOnlyFilesOfOtherRunsAreReplaced) {
+  const std::vector<std::string> run{"--samples", "37", "--shard", "2/3", "--replace", "--out"};
+  const auto call_on = [&](const fs::path& file) {
+    std::vector<std::string> all = run;
+    all.push_back(file.string());
+    return call(all);
+  };
+  const fs::path other = changed(2, "fingerprint=", "fingerprint=0");
+  ASSERT_TRUE(call_on(other).ok());
+  EXPECT_EQ(content_of(other), content_of(shard(2)));
+  // killed after four rows, the first one marked: a run from the start would not have the mark
+  const std::vector<std::string> rows = read_map(shard(2)).rows;
+  const std::string marked = rows[0].substr(0, rows[0].rfind(',')) + ",0.125\n";
+  const std::string content = content_of(shard(2)), rest = rows[1] + "\n" + rows[2] + "\n" + rows[3] + "\n";
+  const std::string first = content.substr(0, content.find(rows[0])) + marked;
+  const fs::path killed = directory() / "killed.csv";
+  std::ofstream(killed, std::ios::binary) << first << rest << rows[4].substr(0, 5);
+  ASSERT_TRUE(call_on(killed).ok());
+  EXPECT_EQ(content_of(killed), first + content.substr(content.find(rows[1])));
+  const fs::path older = directory() / "older.csv";
+  std::ofstream(older, std::ios::binary) << content.substr(0, content.find(",distance_m")) << '\n' << rest;
+  ASSERT_TRUE(call_on(older).ok()) << "other columns";
+  EXPECT_EQ(content_of(older), content);
+}
+
 TEST_F(Shards, BadPartsAreRefused) {
   const std::string none = (directory() / "none.csv").string(), first = shard(1).string();
   EXPECT_EQ(call({}).status, 2);

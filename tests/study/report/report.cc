@@ -1,11 +1,10 @@
 #include "tests/study/report/report.h"
 
+#include <array>
 #include <fstream>
 #include <stdexcept>
 
 #include "core/gain_watch.h"
-#include "tests/study/map/section.h"
-#include "tests/study/peer/section.h"
 #include "tests/study/report/results.h"
 #include "tests/study/report/text.h"
 
@@ -14,13 +13,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_question(std::ostream& out, const StudyOptions& options, const std::string& head) {
+/// Sections that other commands write: head.py, `godobject-study stability-map`, godobject-peers, steps.py,
+/// `./dev sanitize` and the like.
+constexpr const char* head = "head";
+constexpr std::array sections{"stability map", "peers", "float core", "steps", "long checks"};
+
+void write_question(std::ostream& out, const StudyOptions& options, const std::string& head_section) {
   out << "# Report: error, stability and size of the step\n\n"
       << "Written by `" << options.command << "` on " << options.machine << "; built by "
       << build_description() << ".\n"
       << (options.quick ? "**A quick run: small grids, short scenes.** " : "")
-      << "Every number below comes from that run, but those of the map and of other engines.\n\n"
-      << head << "\n## What was asked\n\n"
+      << "Every number below comes from that run, but those of sections that name another command.\n\n"
+      << head_section << "\n## What was asked\n\n"
       << "Error against run time of each integrator; stability in stiff and extreme cases; what a part "
          "costs.\n\n";
 }
@@ -117,8 +121,7 @@ void copy_figures(const StudyOptions& options, const StudyResults& results) {
   }
 }
 
-/// Returns a section that another command writes, from the report before; else an empty one. head:
-/// tests/study/report/head.py; long checks: `./dev sanitize` and the like.
+/// Returns a section that another command writes, from the report before; else an empty one.
 std::string section_of(const fs::path& report, const std::string& name) {
   const std::string begin = "<!-- begin of the " + name + " -->\n",
                     end = "<!-- end of the " + name + " -->\n";
@@ -133,10 +136,11 @@ std::string section_of(const fs::path& report, const std::string& name) {
 
 void write_report(const StudyOptions& options, const StudyResults& results) {
   if (options.report.has_parent_path()) fs::create_directories(options.report.parent_path());
-  const std::string head = section_of(options.report, "head");
-  const std::string long_checks = section_of(options.report, "long checks");
+  const std::string head_section = section_of(options.report, head);
+  std::string kept;
+  for (const char* name : sections) kept += section_of(options.report, name) + '\n';
   std::ofstream out(options.report);
-  write_question(out, options, head);
+  write_question(out, options, head_section);
   out << "## Result\n\n";
   write_error(out, results.errors);
   write_random(out, results.random);
@@ -146,8 +150,7 @@ void write_report(const StudyOptions& options, const StudyResults& results) {
   write_joints(out, results);
   write_contacts(out, results);
   write_nets(out, results.nets);
-  // godobject-study stability-map and godobject-peers write between them
-  out << map_begin << map_end << '\n' << peers_begin << peers_end << '\n' << long_checks << '\n';
+  out << kept;
   write_method(out, results);
   if (!out.flush()) throw std::runtime_error(options.report.string() + ": cannot be written");
   copy_figures(options, results);
