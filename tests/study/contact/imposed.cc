@@ -86,6 +86,10 @@ godobject::Motion motion_of(const SceneConfig& scene, const std::string& file) {
 
 }  // namespace
 
+std::array<CouplingMode, 2> both_couplings() { return {CouplingMode::god_object, CouplingMode::imposed}; }
+
+std::string plunge_motion() { return GODOBJECT_STUDY_SCENE_DIRECTORY "/plunge.csv"; }
+
 PileRun run_pile(SceneConfig scene, CouplingMode coupling, const std::string& motion, double duration) {
   scene.coupling = coupling;
   Session::Made made = Session::make(scene, motion_of(scene, motion));
@@ -117,9 +121,13 @@ std::vector<PileRun> study_imposed(const std::filesystem::path& scenes, bool qui
   const std::string motion = quick ? "" : (scenes / "lego-motion.csv").string();
   const double duration = quick ? quick_duration : loaded.scene->duration;
   std::vector<PileRun> runs;
-  for (const CouplingMode coupling : {CouplingMode::god_object, CouplingMode::imposed}) {
+  for (const CouplingMode coupling : both_couplings()) {
     progress(std::string("contacts: lego, ") + coupling_names[static_cast<std::size_t>(coupling)]);
     runs.push_back(run_pile(*loaded.scene, coupling, motion, duration));
+  }
+  for (const CouplingMode coupling : both_couplings()) {
+    runs.push_back(run_pile(*loaded.scene, coupling, plunge_motion(), plunge_duration));
+    runs.back().coupling = coupling == CouplingMode::god_object ? "god-object plunging" : "placed plunging";
   }
   return runs;
 }

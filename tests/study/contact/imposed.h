@@ -1,7 +1,8 @@
-// Comparison of the paper on the same motion of the scene lego: a brick placed at the device's pose (its Fig.
+// Comparison of the paper on the same motions of the scene lego: a brick placed at the device's pose (Fig.
 // 5), and a brick as a god-object (Fig. 6).
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -27,15 +28,23 @@ struct PileSample {
 };
 
 struct PileRun {
-  std::string coupling;  // one of coupling_names
+  std::string coupling;  // one of coupling_names; `... plunging` on the motion of plunge.csv
   std::vector<PileSample> samples;
   PileSample worst;            // largest of each value
   std::size_t bricks = 0;      // number of bricks that are never held
   std::size_t num_faults = 0;  // number of steps with a fault
 };
 
+/// Returns the modes of a brick as a god-object and of a placed one.
+std::array<CouplingMode, 2> both_couplings();
+
+/// The device goes 30 mm into the pile within 10 ms, at less than 5 m/s.
+std::string plunge_motion();
+inline constexpr double plunge_duration = 1.01;  // s
+
 /// Runs lego.toml of the folder of scenes with both couplings: on lego-motion.csv, or if quick on the scene's
-/// own motion for 2 s. Throws std::runtime_error if they cannot be read.
+/// own motion for 2 s. Runs both again on plunge_motion(). Throws std::runtime_error if a file cannot be
+/// read.
 std::vector<PileRun> study_imposed(const std::filesystem::path& scenes, bool quick, const Progress& progress);
 
 /// Runs such a scene once with this coupling. motion: file; empty: the scene's own motion, for `duration` s.

@@ -83,8 +83,8 @@ void write_gains(std::ostream& out, const std::vector<ContactStability>& rows) {
 }
 
 void write_imposed(std::ostream& out, const std::vector<PileRun>& runs) {
-  out << "The same motion of the scene lego, its held brick a god-object, and placed at the device's "
-         "pose:\n\n"
+  out << "The same motions of the scene lego, its held brick a god-object, and placed at the device's pose. "
+         "Plunging, the device goes 30 mm into the pile within 10 ms:\n\n"
          "| coupling | deepest contact, m | largest contact force on the held brick, N | energy given to the "
          "others, J | "
          "ejected of "
