@@ -40,6 +40,7 @@ class Drive {
   /// True if the last position is older than the stale limit plus the SYNCs that the drive may skip.
   bool silent(Nanoseconds now) const noexcept;
   const Encoder& position() const noexcept { return position_; }
+  Encoder& position() noexcept { return position_; }
   MotorState state() const noexcept { return telemetry_.state; }
   std::uint32_t error_code() const noexcept { return telemetry_.error_code; }
   const DriveTelemetry& telemetry() const noexcept { return telemetry_; }

@@ -18,7 +18,8 @@ Encoder::Encoder(const Calibration& calibration, double max_speed, Nanoseconds s
                           : static_cast<std::int64_t>(calibration.modulus_counts)),
       max_speed_counts_per_ns_(1e-9 * max_speed * calibration.counts_per_unit),
       stale_after_ns_(stale_after_ns),
-      velocity_(1 / calibration.counts_per_unit) {}
+      velocity_(1 / calibration.counts_per_unit),
+      has_zero_(!calibration.incremental) {}
 
 void Encoder::update(std::uint32_t raw_counts, Nanoseconds t_ns) noexcept {
   const Reading reading{raw_counts, t_ns};
@@ -47,7 +48,7 @@ JointSample Encoder::sample(Nanoseconds now) const noexcept {
   JointSample out;
   out.q = calibration_.home + from_home();
   out.q_dot = stale(now) ? 0 : q_dot_;
-  out.valid = last_was_accepted_ && !stale(now);
+  out.valid = good(now) && has_zero_;
   out.t_ns = reference_.t_ns;
   return out;
 }
@@ -85,8 +86,16 @@ void Encoder::anchor(const Reading& reading) noexcept {
   counts_ = signed_difference(reading.raw_counts, calibration_.offset_counts);
   reference_ = reading;
   has_reference_ = true;
+  drop_zero();
   velocity_.reset();
   accept(reading);
+}
+
+void Encoder::set_zero() noexcept {
+  counts_ = 0;
+  has_zero_ = has_reference_;
+  velocity_.reset();
+  q_dot_ = velocity_.update(from_home(), reference_.t_ns);
 }
 
 void Encoder::accept(const Reading& reading) noexcept {
@@ -108,6 +117,7 @@ void Encoder::reject(const Reading& reading) noexcept {
   candidate_ = reading;
   if (agreeing_ >= votes_needed) {
     ++counters_.resyncs;
+    drop_zero();
     velocity_.reset();
     accept(reading);
   }

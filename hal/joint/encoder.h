@@ -39,6 +39,9 @@ struct EncoderCounters {
 ///
 /// Turns. The first sample selects the turn with q nearest to home. So does a sample after a gap in which the
 /// joint could have moved half the modulus. In between, turns are tracked.
+///
+/// Zero. That of an incremental sensor is unknown until set_zero(). A new reference drops it, because counts
+/// are then no longer continuous. Samples without a zero are not valid.
 class Encoder {
  public:
   static constexpr int votes_needed = 3;
@@ -50,10 +53,19 @@ class Encoder {
   /// Adds a sample. raw_counts: as on the wire (two's complement if signed). t_ns: sampling time, ns.
   void update(std::uint32_t raw_counts, Nanoseconds t_ns) noexcept;
 
-  /// Returns the latest good sample; valid if the latest update was accepted and the sample is not stale.
+  /// Returns the latest good sample; valid if good() and the zero is known.
   JointSample sample(Nanoseconds now) const noexcept;
 
+  /// Sets the zero of an incremental sensor: the coordinate of the last good sample becomes home.
+  void set_zero() noexcept;
+  /// Drops the zero of an incremental sensor; no effect on an absolute one.
+  void drop_zero() noexcept { has_zero_ = !calibration_.incremental; }
+  bool has_zero() const noexcept { return has_zero_; }
+  bool is_incremental() const noexcept { return calibration_.incremental; }
+
   bool has_sample() const noexcept { return has_reference_; }
+  /// True if the latest update was accepted and is not stale. Its coordinate may lack a zero.
+  bool good(Nanoseconds now) const noexcept { return last_was_accepted_ && !stale(now); }
   /// True if the last good sample is older than stale_after, or there is none.
   bool stale(Nanoseconds now) const noexcept;
   /// True if the joint could have moved half the modulus since the last good sample; its turn is then
@@ -89,6 +101,7 @@ class Encoder {
   std::int64_t counts_ = 0;  // unwrapped, relative to the calibration's offset
   double q_dot_ = 0;
   bool has_reference_ = false;
+  bool has_zero_;
   bool last_was_accepted_ = false;
   Reading candidate_;              // last rejected
   int agreeing_ = 0;               // number of consecutive rejected samples that agree with each other

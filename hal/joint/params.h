@@ -51,9 +51,11 @@ struct Calibration {
   std::int64_t offset_counts = 0;    // count at q = home
   std::uint64_t modulus_counts = 0;  // counts wrap at this value; 0: no wrap (32 bits)
   double home = 0;                   // rad or m
+  // true: the count at power-on is arbitrary. Homing measures offset_counts in the device's home pose.
+  bool incremental = false;
 };
 
-/// An absolute encoder (CiA 406).
+/// An encoder (CiA 406).
 struct EncoderParams {
   std::string joint;         // name of the measured joint
   std::size_t bus = 0;       // index into the scene's buses

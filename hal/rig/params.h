@@ -21,10 +21,11 @@ enum class ButtonUse : std::uint8_t {
   hold,    // grips the nearest body, or releases it: acts when pressed
   clutch,  // enables a relative device: its increments are used while the button is pressed
   stop,    // emergency stop: each drive removes its torque by its own fastest means
+  home,    // confirms that the device rests in its home pose: acts when pressed while homing
 };
 
 /// Names of ButtonUse in scene files, in the order of the enumeration.
-inline constexpr std::array button_use_names{"hold", "clutch", "stop"};
+inline constexpr std::array button_use_names{"hold", "clutch", "stop", "home"};
 
 /// A digital input of a CiA 401 node: one bit of its TPDO1 {6000h:01}.
 struct ButtonParams {
@@ -46,7 +47,7 @@ struct RigParams {
   double stale_after_s = 3e-3;  // age above which a sample is not valid: the pose is held
   // duration without a valid sample that is a fault, at least stale_after_s
   double lost_after_s = 0.1;
-  double boot_timeout_s = 5;         // from start until every drive is enabled
+  double boot_timeout_s = 5;  // from start until every drive is enabled, without the wait for the home pose
   double heartbeat_timeout_s = 0.5;  // timeout of every node, from its first heartbeat on
   double heartbeat_period_s = 0.1;   // period of the host's own heartbeat
   std::uint8_t host_node_id = 127;
@@ -75,10 +76,21 @@ inline const Calibration* sensor_of(const RigParams& rig, const std::string& joi
   return drive ? &rig.drives[*drive].calibration : nullptr;
 }
 
+/// True if the zero of the joint's sensor is unknown at power-on.
+inline bool is_incremental(const RigParams& rig, const std::string& joint) noexcept {
+  const Calibration* const sensor = sensor_of(rig, joint);
+  return sensor != nullptr && sensor->incremental;
+}
+
+/// True if the joint is one of a transmission: its sensors and drive are on an actuator.
+inline bool is_coupled(const RigParams& rig, const std::string& joint) {
+  const auto moves = [&](const TransmissionParams& t) { return std::ranges::count(t.joints, joint) > 0; };
+  return std::ranges::any_of(rig.transmissions, moves);
+}
+
 /// True if the sensors and the drive of a joint turn: on a hinge, and on any actuator of a transmission.
 inline bool is_rotary(const RigParams& rig, const std::string& joint) {
-  const auto moves = [&](const TransmissionParams& t) { return std::ranges::count(t.joints, joint) > 0; };
-  if (std::ranges::any_of(rig.transmissions, moves)) return true;
+  if (is_coupled(rig, joint)) return true;
   const auto found = std::ranges::find(rig.tree.joints, joint, &DeviceJoint::name);
   return found == rig.tree.joints.end() || found->kind == DeviceJointKind::hinge;
 }

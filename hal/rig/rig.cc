@@ -77,6 +77,7 @@ Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses
     sensors_[joint] = &encoders_[i].encoder;
     measured_[joint].every_nth_sync = 1;
   }
+  add_homed_joints();
   q_dot_ = JointVector::Zero(static_cast<Eigen::Index>(num_joints()));
   configuration_ = tree_.at(q_dot_);
 }
@@ -106,7 +107,7 @@ Eigen::Index Rig::joint_named(const std::string& name) const {
 void Rig::start(Nanoseconds now) noexcept {
   if (!supervisor_.on(RigEvent::start)) return;
   now_ns_ = now;
-  boot_started_ns_ = now;
+  begin_boot(now);
   heartbeat_due_ns_ = now;
 }
 
@@ -118,7 +119,7 @@ void Rig::clear_faults(Nanoseconds now) noexcept {
   if (!supervisor_.on(RigEvent::clear)) return;
   fault_log_.clear();
   for (Bus& bus : buses_) bus.refused_in_a_row = 0;
-  boot_started_ns_ = now;
+  begin_boot(now);
 }
 
 void Rig::quick_stop() noexcept { raise({.fault = RigFault::quick_stop}); }
@@ -229,6 +230,7 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
 
 DriveGoal Rig::goal() const noexcept {
   if (torque_output() == TorqueOutput::at_once) return DriveGoal::quick_stop;
+  if (torque_output() == TorqueOutput::none) return DriveGoal::off;
   const bool failed =
       std::ranges::any_of(drives_, [](const DriveOnBus& d) { return d.t_failed_ns.has_value(); });
   return state() == RigState::enabling && !failed ? DriveGoal::enable : DriveGoal::hold;
@@ -236,11 +238,8 @@ DriveGoal Rig::goal() const noexcept {
 
 DeviceButtons Rig::buttons() const noexcept {
   DeviceButtons out;
-  for (const ButtonOnBus& button : buttons_) {
-    if (button.params.use == ButtonUse::stop) continue;
-    bool& use = button.params.use == ButtonUse::hold ? out.hold : out.clutch;
-    use = use || button.pressed;
-  }
+  out.hold = is_pressed(ButtonUse::hold);
+  out.clutch = is_pressed(ButtonUse::clutch);
   return out;
 }
 
@@ -267,6 +266,7 @@ bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
 
 void Rig::raise(const RigFaultPlace& place, std::uint32_t identifier) noexcept {
   if (!supervisor_.on(event_of(place.fault))) return;
+  drop_zeros(place);
   const RigNode* const node = node_at(place);
   fault_log_.raise(place, now_ns_, identifier, node != nullptr ? evidence_of(*node) : NodeEvidence{});
 }

@@ -19,6 +19,7 @@
 #include "hal/joint/answer_delay.h"
 #include "hal/joint/encoder.h"
 #include "hal/joint/kinematic_tree.h"
+#include "hal/joint/rest_watch.h"
 #include "hal/joint/sync_attribution.h"
 #include "hal/joint/transmission.h"
 #include "hal/rig/fault.h"
@@ -58,6 +59,12 @@ struct CommandReport {
   std::uint32_t not_sent = 0;        // the bus refused the frame; the drive keeps its last target
 };
 
+/// Presses of the home button that were refused, because a joint was not at rest.
+struct RefusedPresses {
+  std::uint64_t count = 0;
+  std::size_t joint = 0;  // one that moved or had no good sample
+};
+
 struct RigCounters {
   std::uint64_t syncs = 0;             // queued on at least one bus
   std::uint64_t incomplete_syncs = 0;  // not every expected answer arrived before the next SYNC
@@ -67,6 +74,9 @@ struct RigCounters {
   std::uint64_t foreign = 0;            // frames from no node of this rig
   std::uint64_t receive_truncated = 0;  // receive() stopped at max_frames_per_receive on a bus
 };
+
+/// Returns the request to the user while homing: coordinates of the joints, and the button. Allocates.
+std::string homing_request(const RigParams& rig);
 
 class Rig {
  public:
@@ -126,7 +136,7 @@ class Rig {
   /// cycle and state: it also carries the controlwords.
   CommandReport command(std::span<const Wrench> F_hand_W, Nanoseconds now) noexcept GODOBJECT_NONBLOCKING;
 
-  /// Returns off, booting, enabling, ready, armed or fault.
+  /// Returns off, booting, homing, enabling, ready, armed or fault.
   RigState state() const noexcept { return supervisor_.state(); }
   TorqueOutput torque_output() const noexcept { return supervisor_.torque(); }
   bool ready() const noexcept { return state() == RigState::ready || state() == RigState::armed; }
@@ -138,12 +148,15 @@ class Rig {
   /// Returns a place: "can0 node 4, drive of elbow". Thread-safe: depends on parameters only. Allocates.
   std::string place_text(const RigFaultRecord& record) const;
   const RigCounters& counters() const noexcept { return counters_; }
+  const RefusedPresses& refused_presses() const noexcept { return refused_presses_; }
 
   std::size_t num_joints() const noexcept { return tree_.num_joints(); }
   std::size_t num_handles() const noexcept { return tree_.num_handles(); }
   std::size_t num_encoders() const noexcept { return encoders_.size(); }
   std::size_t num_drives() const noexcept { return drives_.size(); }
   bool has_button(ButtonUse use) const noexcept;
+  /// True if a joint has an incremental sensor, so that each boot waits for the user.
+  bool needs_homing() const noexcept { return !homed_joints_.empty(); }
   const Encoder& encoder(std::size_t index) const noexcept { return encoders_[index].encoder; }
   /// Returns position and torque as reported by the drive.
   DriveFeedback drive_feedback(std::size_t index, Nanoseconds now) const noexcept;
@@ -203,8 +216,16 @@ class Rig {
     bool pressed = false;
   };
 
+  /// A joint whose sensor is incremental.
+  struct HomedJoint {
+    std::size_t joint;
+    std::size_t node;  // of the sensor
+    RestWatch rest;
+  };
+
   std::size_t add_node(std::size_t bus, std::uint8_t id, NodeKind kind, std::size_t device);
   void add_buttons();
+  void add_homed_joints();
   Eigen::Index joint_named(const std::string& name) const;
 
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
@@ -240,6 +261,13 @@ class Rig {
                 Nanoseconds now) noexcept;
   void on_inputs(RigNode& node, const CanFrame& frame) noexcept;
 
+  // homing.cc
+  void begin_boot(Nanoseconds now) noexcept;
+  void drop_zeros(const RigFaultPlace& place) noexcept;
+  void begin_homing(Nanoseconds now) noexcept;
+  void home(Nanoseconds now) noexcept;
+  bool is_pressed(ButtonUse use) const noexcept;
+
   // supervise.cc
   void supervise(Nanoseconds now) noexcept;
   void check_buses() noexcept;
@@ -259,9 +287,9 @@ class Rig {
   bool booted(const RigNode& node, Nanoseconds now) const noexcept;
   bool is_known(const AnswerDelay& delay, const RigNode& node) const noexcept;
   bool silent(const RigNode& node, Nanoseconds now) const noexcept;
-  bool running() const noexcept { return state() >= RigState::enabling && state() <= RigState::armed; }
+  bool running() const noexcept { return state() >= RigState::homing && state() <= RigState::armed; }
   // Devices that were up when the first fault was raised are still supervised.
-  bool nodes_were_up() const noexcept { return supervisor_.reached() >= RigState::enabling; }
+  bool nodes_were_up() const noexcept { return supervisor_.reached() >= RigState::homing; }
   bool drives_were_up() const noexcept { return supervisor_.reached() >= RigState::ready; }
 
   DriveGoal goal() const noexcept;
@@ -283,8 +311,11 @@ class Rig {
     double q = 0;                 // rad or m
     bool valid = false;
   };
-  std::array<const Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
+  std::array<Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
   std::array<Measured, max_joints> measured_{};
+  std::vector<HomedJoint> homed_joints_;
+  bool home_was_pressed_ = false;  // in the cycle before
+  RefusedPresses refused_presses_;
 
   Supervisor supervisor_;
   Nanoseconds now_ns_ = 0;  // time of the present call

@@ -69,6 +69,22 @@ std::string drive_text(const NodeEvidence& seen, const DriveParams& drive) {
 
 }  // namespace
 
+std::string homing_request(const RigParams& rig) {
+  std::string joints, buttons;
+  for (const DeviceJoint& joint : rig.tree.joints) {
+    if (!is_incremental(rig, joint.name)) continue;
+    joints += (joints.empty() ? "" : ", ") + joint.name + format(" %g", sensor_of(rig, joint.name)->home);
+    joints += is_rotary(rig, joint.name) ? " rad" : " m";
+  }
+  for (const ButtonParams& button : rig.buttons) {
+    if (button.use != ButtonUse::home) continue;
+    buttons += (buttons.empty() ? "" : " or ") + rig.buses[button.bus].name +
+               format(" node %d, input %d", int{button.node_id}, button.bit + 1);
+  }
+  return "put the device into its home pose (" + joints + "), keep it at rest, then press the button of " +
+         buttons;
+}
+
 std::string Rig::fault_text() const {
   std::ostringstream out;
   for (const RigFaultRecord& record : fault_log_.records()) {

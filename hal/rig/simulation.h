@@ -23,6 +23,8 @@ struct JointPlant {
 /// Mechanics of the simulated rig behind the bus: default of every joint without its own entry.
 struct PlantConfig : JointPlant {
   Vec3 gravity_W = Vec3::Zero();  // on the links of the device, m/s^2
+  // The hand brings the device to its home pose before the motion begins, and presses its home button.
+  bool hand_homes = true;
   struct OfJoint {
     std::string joint;  // name of a joint of the device
     JointPlant plant;

@@ -25,6 +25,7 @@ void Rig::supervise(Nanoseconds now) noexcept {
   }
   if (drives_were_up()) check_drives();
   if (state() == RigState::booting) boot(now);
+  if (state() == RigState::homing) home(now);
   if (state() == RigState::enabling) wait_for_drives(now);
 }
 
@@ -71,12 +72,14 @@ void Rig::check_samples(Nanoseconds now) noexcept {
 
 // True if a sample is missing for too long. Until then the pose is held and the force fades. Returns true at
 // once if the turn would become ambiguous. If a delay exceeds the measured range, the sample counts as
-// missing from the first mark on.
+// missing from the first mark on. Between homing and the power of the drives an incremental sensor is lost
+// after stale_after, because nothing else shows the restart of a drive there.
 bool Rig::lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
                Nanoseconds now) const noexcept {
   const Nanoseconds since = delay.beyond_reach() ? std::min(t_good, delay.t_beyond_ns()) : t_good;
-  return now - since > to_ns(std::max(params_.lost_after_s, params_.stale_after_s)) ||
-         encoder.turn_is_lost(now);
+  const bool may_restart = encoder.is_incremental() && state() == RigState::enabling;
+  const double lost_after_s = may_restart ? 0 : params_.lost_after_s;
+  return now - since > to_ns(std::max(lost_after_s, params_.stale_after_s)) || encoder.turn_is_lost(now);
 }
 
 // Compares drive and encoder relative to their difference before ready, because a drive's zero may be its
@@ -115,6 +118,7 @@ void Rig::boot(Nanoseconds now) noexcept {
   }
   if (std::ranges::all_of(nodes_, [&](const RigNode& node) { return booted(node, now); })) {
     static_cast<void>(supervisor_.on(RigEvent::nodes_up));
+    begin_homing(now);
     settled_cycles_ = 0;
     for (EncoderOnBus& encoder : encoders_) encoder.t_good_ns = now;
     for (DriveOnBus& drive : drives_) {

@@ -11,15 +11,18 @@ constexpr RigStates set_of(auto... states) noexcept {
   return static_cast<RigStates>(((1u << static_cast<unsigned>(states)) | ...));
 }
 
-constexpr RigStates booting_to_fault = set_of(RigState::booting, RigState::enabling, RigState::ready,
-                                              RigState::armed, RigState::hold, RigState::fault);
+constexpr RigStates booting_to_fault =
+    set_of(RigState::booting, RigState::homing, RigState::enabling, RigState::ready, RigState::armed,
+           RigState::hold, RigState::fault);
 
 constexpr std::array transitions = [] {
   using enum RigState;
   return std::array{
       RigTransition{set_of(off), RigEvent::start, booting, Torque::run_down, "request"},
-      RigTransition{set_of(booting), RigEvent::nodes_up, enabling, Torque::run_down,
+      RigTransition{set_of(booting), RigEvent::nodes_up, homing, Torque::none,
                     "nodes operational, with samples"},
+      RigTransition{set_of(homing), RigEvent::homed, enabling, Torque::run_down,
+                    "home pose confirmed; at once without incremental sensors"},
       RigTransition{set_of(enabling), RigEvent::drives_up, ready, Torque::run_down,
                     "drives enabled for 10 cycles"},
       RigTransition{set_of(ready), RigEvent::arm, armed, Torque::normal, "request"},
@@ -42,10 +45,11 @@ constexpr std::array transitions = [] {
 }();
 
 constexpr std::array<std::string_view, num_rig_states> state_names{
-    "off", "booting", "enabling", "ready", "armed", "hold", "fault", "stopping", "closing", "ended"};
+    "off",  "booting", "homing",   "enabling", "ready", "armed",
+    "hold", "fault",   "stopping", "closing",  "ended"};
 constexpr std::array<std::string_view, num_rig_events> event_names{
-    "start",      "nodes_up", "drives_up", "arm",          "disarm",      "pose_lost",  "pose_back", "fault",
-    "quick_stop", "clear",    "stop",      "zero_reached", "frames_sent", "switch_off", "restart"};
+    "start", "nodes_up",   "homed", "drives_up", "arm",          "disarm",      "pose_lost",  "pose_back",
+    "fault", "quick_stop", "clear", "stop",      "zero_reached", "frames_sent", "switch_off", "restart"};
 constexpr std::array<std::string_view, num_torque_outputs> torque_texts{"none", "runs down", "normal",
                                                                         "fades", "off at once"};
 

@@ -15,6 +15,7 @@ namespace godobject {
 enum class RigState : std::uint8_t {
   off,       // nothing is sent
   booting,   // waiting until every node is operational and every sensor has sent a sample
+  homing,    // waiting for the user to confirm the home pose, if a sensor is incremental
   enabling,  // drives on their way to enabled, then settle_cycles there
   ready,     // everything works
   armed,     // torque follows command()
@@ -24,12 +25,13 @@ enum class RigState : std::uint8_t {
   closing,   // drives disabled, nodes pre-operational; their frames are sent
   ended,
 };
-inline constexpr std::size_t num_rig_states = 10;
+inline constexpr std::size_t num_rig_states = 11;
 
 /// Cause of a transition. arm and restart are requests of the user; no other event leads to torque.
 enum class RigEvent : std::uint8_t {
   start,
   nodes_up,
+  homed,
   drives_up,
   arm,
   disarm,
@@ -44,7 +46,7 @@ enum class RigEvent : std::uint8_t {
   switch_off,
   restart,
 };
-inline constexpr std::size_t num_rig_events = 15;
+inline constexpr std::size_t num_rig_events = 16;
 
 /// Torque of the motors in a state.
 enum class TorqueOutput : std::uint8_t {

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "hal/base/format.h"
 #include "hal/canopen/canopen.h"
 #include "hal/drive/link.h"
 #include "hal/joint/kinematic_tree.h"
@@ -27,6 +28,7 @@ class Checker {
     for (const DriveParams& drive : rig_.drives) check_drive(drive);
     for (const ButtonParams& button : rig_.buttons) check_button(button);
     for (const DeviceJoint& joint : rig_.tree.joints) check_sensors_of(joint);
+    for (const std::string& error : homing_errors(rig_)) errors_.push_back(error);
     return std::move(errors_);
   }
 
@@ -195,6 +197,8 @@ class Checker {
     require(calibration.sign == 1 || calibration.sign == -1, where, sign_key, " is ", calibration.sign,
             ", must be 1 or -1");
     require(std::isfinite(calibration.home), where, "home is ", calibration.home, ", must be finite");
+    require(!calibration.incremental || calibration.offset_counts == 0, where,
+            "offset_counts has no meaning with incremental = true, because homing measures it: remove it");
     constexpr std::uint64_t counts_of_32_bits = std::uint64_t{1} << 32;
     require(calibration.modulus_counts <= counts_of_32_bits && calibration.modulus_counts != 1, where,
             "modulus_counts is ", calibration.modulus_counts, ", must be 2..2^32, or 0 for none");
@@ -224,6 +228,30 @@ class Checker {
 };
 
 }  // namespace
+
+std::vector<std::string> homing_errors(const RigParams& rig) {
+  std::vector<std::string> errors;
+  const bool has_button = std::ranges::count(rig.buttons, ButtonUse::home, &ButtonParams::use) > 0;
+  bool has_homed_joint = false;
+  for (const DeviceJoint& joint : rig.tree.joints) {
+    if (!is_incremental(rig, joint.name)) continue;
+    has_homed_joint = true;
+    const std::string where = "joint '" + joint.name + "': ";
+    if (!has_button)
+      errors.push_back(where +
+                       "its sensor is incremental, so the user must confirm the home pose: add a "
+                       "[[device.button]] with use = \"home\"");
+    const double home = sensor_of(rig, joint.name)->home;
+    const bool is_within = !joint.lower || !joint.upper || (home >= *joint.lower && home <= *joint.upper);
+    if (!is_within && !is_coupled(rig, joint.name))
+      errors.push_back(where + format("home of its sensor is %g, must be within lower and upper", home));
+  }
+  if (has_button && !has_homed_joint)
+    errors.emplace_back(
+        "a button has use = \"home\", but no joint is measured by an incremental sensor: give its encoder or "
+        "drive incremental = true, or remove the button");
+  return errors;
+}
 
 std::vector<std::string> validate(const RigParams& rig, double cycle_s) {
   return Checker(rig, cycle_s).run();

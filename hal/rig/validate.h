@@ -14,4 +14,7 @@ inline constexpr std::size_t max_buses = 4;
 /// a Rig can be constructed. cycle_s: SYNC period, s. Set-up only: allocates.
 std::vector<std::string> validate(const RigParams& rig, double cycle_s);
 
+/// Returns the rules of validate() on incremental sensors and the button that confirms their home pose.
+std::vector<std::string> homing_errors(const RigParams& rig);
+
 }  // namespace godobject

@@ -61,6 +61,7 @@ RunPhase phase_of(RigState state) noexcept {
   switch (state) {
     case RigState::off: return RunPhase::off;
     case RigState::booting:
+    case RigState::homing:
     case RigState::enabling:
     case RigState::ready: return RunPhase::booting;
     case RigState::armed:
@@ -103,13 +104,14 @@ void DevicePhases::boot(Period& period) noexcept {
   for (HandDevice* const device : devices_) device->boot(period);
   arm();
   if (phase() == RunPhase::running) return;
-  if (std::ranges::any_of(devices_, &HandDevice::failed) || --periods_left_ <= 0) give_up_running();
+  if (!std::ranges::any_of(devices_, &HandDevice::waits_for_user)) --periods_left_;
+  if (std::ranges::any_of(devices_, &HandDevice::failed) || periods_left_ <= 0) give_up_running();
 }
 
 /// Arms the devices once all are ready. start() is the request to do so.
 void DevicePhases::arm() noexcept {
   if (!std::ranges::all_of(devices_, &HandDevice::ready)) return;
-  for (const RigEvent event : {RigEvent::nodes_up, RigEvent::drives_up})
+  for (const RigEvent event : {RigEvent::nodes_up, RigEvent::homed, RigEvent::drives_up})
     static_cast<void>(supervisor_.on(event));
   if (std::ranges::all_of(devices_, &HandDevice::arm)) static_cast<void>(supervisor_.on(RigEvent::arm));
 }

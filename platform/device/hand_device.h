@@ -68,6 +68,8 @@ class HandDevice {
   /// Enables torque; called once all devices are ready. Returns false if not possible yet.
   virtual bool arm() noexcept GODOBJECT_NONBLOCKING { return true; }
   virtual bool failed() const noexcept GODOBJECT_NONBLOCKING { return false; }
+  /// True while booting waits for the user; the limit for booting does not count this time.
+  virtual bool waits_for_user() const noexcept GODOBJECT_NONBLOCKING { return false; }
 
   // Each period:
 

@@ -90,6 +90,7 @@ class RigDevice final : public HandDevice {
     return rig_->arm();
   }
   bool failed() const noexcept override { return rig_->state() == RigState::fault; }
+  bool waits_for_user() const noexcept override { return rig_->state() == RigState::homing; }
   void read(Period& period, std::span<BodySample> samples) noexcept override;
   void command(Period& period, std::span<const Wrench> F_hand_W, Shown& shown) noexcept override;
   void tell(RunTrouble trouble) noexcept override;

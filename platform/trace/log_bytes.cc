@@ -1,12 +1,23 @@
 #include "platform/trace/log_bytes.h"
 
 #include <algorithm>
+#include <array>
 
 namespace godobject {
 namespace {
 
 // Bits of the flags of a frame.
 constexpr unsigned extended = 1, remote = 2, fd = 4, bit_rate_switch = 8;
+
+// States of a rig by their numbers in a log, which stay the same in each version.
+constexpr std::array<RigState, num_rig_states> states_by_number = [] {
+  using enum RigState;
+  return std::array{off, booting, enabling, ready, armed, hold, fault, stopping, closing, ended, homing};
+}();
+
+std::uint8_t number_of(RigState state) noexcept {
+  return static_cast<std::uint8_t>(std::ranges::find(states_by_number, state) - states_by_number.begin());
+}
 
 }  // namespace
 
@@ -17,7 +28,7 @@ void put_link(std::string& out, const LinkEvent& event, Nanoseconds before) {
     case LinkEvent::Kind::call:
       put(out, static_cast<std::uint8_t>(event.call));
       put(out, event.value);
-      put(out, static_cast<std::uint8_t>(event.rig_state));
+      put(out, number_of(event.rig_state));
       put(out, event.sent);
       return put_short(out, event.cycle);
     case LinkEvent::Kind::began:
@@ -47,7 +58,7 @@ LinkEvent take_link(LogBytes& bytes, Nanoseconds before) {
     case LinkEvent::Kind::call:
       event.call = bytes.choice<RigCall>(num_rig_calls);
       event.value = bytes.number<std::uint8_t>();
-      event.rig_state = bytes.choice<RigState>(num_rig_states);
+      event.rig_state = states_by_number[bytes.choice<std::uint8_t>(num_rig_states)];
       event.sent = bytes.number<std::uint32_t>();
       event.cycle = static_cast<std::uint32_t>(bytes.short_number());
       break;

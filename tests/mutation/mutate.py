@@ -25,6 +25,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGETS = [
     "hal/rig/supervise.cc", "hal/rig/supervisor.cc", "hal/rig/rig.cc", "hal/rig/request.cc", "hal/rig/receive.cc",  # supervise
+    "hal/rig/homing.cc",
     "hal/drive/drive.cc",  # limits
     "hal/rig/watchdog.cc",
     "hal/joint/encoder.cc",  # gaps

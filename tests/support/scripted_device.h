@@ -1,4 +1,4 @@
-// A device of one encoder, one CiA 402 drive and one emergency stop, without a simulated bus.
+// A device of one encoder, one CiA 402 drive, an emergency stop and a home button, without a simulated bus.
 #pragma once
 
 #include <deque>
@@ -52,7 +52,7 @@ class ScriptedDevice : public CanBus {
       if (drive_powered) send(canopen::make_heartbeat(drive_id, drive_nmt), now);
       if (has_idle_drive) send(canopen::make_heartbeat(idle_drive_id, NmtState::operational), now);
       send(canopen::make_heartbeat(input_id, NmtState::operational), now);
-      send(cia401::make_inputs(input_id, stop_pressed ? 1 : 0), now);
+      send_inputs(now);
     }
     syncs_.push_back(std::exchange(synced_, false));
     const bool answers = syncs_.size() > delay_cycles && syncs_.front();
@@ -67,6 +67,15 @@ class ScriptedDevice : public CanBus {
     send(cia402::make_status(
              drive_id, {.statusword = static_cast<std::uint16_t>(status), .position_counts = drive_counts}),
          now + ms / 4);
+  }
+  void send_inputs(Nanoseconds now) {
+    const unsigned inputs = (stop_pressed ? 1u : 0u) | (home_pressed ? 2u : 0u);
+    send(cia401::make_inputs(input_id, static_cast<std::uint8_t>(inputs)), now);
+  }
+  /// Moves the joint by this number of counts of both sensors.
+  void move(int counts) {
+    encoder_counts += static_cast<std::uint32_t>(counts);
+    drive_counts += counts;
   }
   /// Ends a cycle: the drive's watchdog.
   void end_cycle() {
@@ -84,7 +93,7 @@ class ScriptedDevice : public CanBus {
   }
 
   bool has_idle_drive = false;  // a second drive, which stays off
-  bool live = true, is_off = false, is_full = false, stop_pressed = false;
+  bool live = true, is_off = false, is_full = false, stop_pressed = false, home_pressed = false;
   bool encoder_plugged = true, drive_powered = true;
   int status_every_nth_sync = 1;
   bool sends_heartbeats = true, answers_sync = true, encoder_answers = true, drive_answers = true;

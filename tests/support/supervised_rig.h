@@ -21,6 +21,10 @@ inline constexpr int ramp_cycles = 4 + 3;
 // stale_after 3 ms and lost_after 8 ms, and 2 cycles
 inline constexpr int lost_cycles = 3 + 8 + 2;
 inline constexpr int longest_timeout_cycles = 70;
+// 0.1 s at rest, and a boot or a timeout before
+inline constexpr int rest_cycles = 100, longest_wait_cycles = longest_timeout_cycles + rest_cycles;
+inline constexpr int counts_of_a_move = 20;
+inline constexpr std::uint32_t counts_lost_by_restart = 5000;
 
 inline RigParams params_of_rig() {
   RigParams rig;
@@ -39,6 +43,15 @@ inline RigParams params_of_rig() {
   rig.boot_timeout_s = 60e-3;
   rig.heartbeat_timeout_s = 30e-3;
   rig.heartbeat_period_s = 10e-3;
+  return rig;
+}
+
+/// Returns the rig with an incremental encoder: its home pose is at 0.5 rad.
+inline RigParams params_of_incremental_rig() {
+  RigParams rig = params_of_rig();
+  rig.encoders[0].calibration.incremental = true;
+  rig.encoders[0].calibration.home = 0.5;
+  rig.buttons.push_back({.use = ButtonUse::home, .node_id = input_id, .bit = 1});
   return rig;
 }
 
@@ -68,9 +81,13 @@ enum class RigTrial : std::uint8_t {
   encoder_restarts,
   second_host,
   cycle,
-  wait
+  wait,
+  // with an incremental encoder:
+  press_home,
+  release_home,
+  move
 };
-inline constexpr int num_rig_trials = 26;
+inline constexpr int num_rig_trials = 26, num_incremental_rig_trials = 29;
 inline constexpr std::array rig_trial_names{"start",
                                             "arm",
                                             "disarm",
@@ -96,8 +113,11 @@ inline constexpr std::array rig_trial_names{"start",
                                             "encoder_restarts",
                                             "second_host",
                                             "cycle",
-                                            "wait"};
-static_assert(rig_trial_names.size() == num_rig_trials);
+                                            "wait",
+                                            "press_home",
+                                            "release_home",
+                                            "move"};
+static_assert(rig_trial_names.size() == num_incremental_rig_trials);
 
 /// A rig on the device, and the promises that hold in every cycle.
 class SupervisedRig {
@@ -118,7 +138,7 @@ class SupervisedRig {
       case RigTrial::press_stop:
       case RigTrial::release_stop:
         device.stop_pressed = event == RigTrial::press_stop;
-        device.send(cia401::make_inputs(input_id, device.stop_pressed ? 1 : 0), now_);
+        device.send_inputs(now_);
         break;
       case RigTrial::deadlines_missed: rig.deadlines_missed(); break;
       case RigTrial::force_oscillates: rig.force_oscillates(0); break;
@@ -141,12 +161,23 @@ class SupervisedRig {
       case RigTrial::encoder_unplugged:
       case RigTrial::encoder_plugged: device.encoder_plugged = event == RigTrial::encoder_plugged; break;
       case RigTrial::encoder_restarts:
+        if (rig.needs_homing()) device.encoder_counts += counts_lost_by_restart;
+        is_homed_ = false;
         device.encoder_nmt = NmtState::pre_operational;
         if (device.encoder_plugged) device.send(canopen::make_heartbeat(encoder_id, NmtState::boot_up), now_);
         break;
       case RigTrial::second_host: device.send(canopen::make_sync(), now_); break;
       case RigTrial::cycle: break;
-      case RigTrial::wait: cycles = longest_timeout_cycles; break;
+      case RigTrial::wait: cycles = rig.needs_homing() ? longest_wait_cycles : longest_timeout_cycles; break;
+      case RigTrial::press_home:
+      case RigTrial::release_home:
+        device.home_pressed = event == RigTrial::press_home;
+        device.send_inputs(now_);
+        break;
+      case RigTrial::move:
+        device.move(counts_of_a_move);
+        cycles_at_rest_ = 0;
+        break;
     }
     for (int i = 0; i < cycles; ++i) cycle(finite);
   }
@@ -161,7 +192,8 @@ class SupervisedRig {
     return std::tuple(rig.state(), rig.torque_output(), rig.drive_feedback(0, now_).state, drive,
                       device.drive_powered, device.drive_nmt == NmtState::operational, link_is_open,
                       device.is_off, device.encoder_plugged, device.encoder_nmt == NmtState::operational,
-                      device.stop_pressed, rig.commanded_torque_Nm(0) != 0);
+                      device.stop_pressed, rig.commanded_torque_Nm(0) != 0, device.home_pressed, is_homed_,
+                      has_zero(), cycles_at_rest_ >= rest_cycles);
   }
 
   ScriptedDevice device;
@@ -178,7 +210,10 @@ class SupervisedRig {
     rig.sync(now_);
     device.answer(now_);
     rig.receive(now_ + ms / 2);
+    cycles_at_rest_ = rig.needs_homing() && rig.state() == RigState::homing ? cycles_at_rest_ + 1 : 0;
+    const bool had_zero = has_zero();
     const DeviceSample sample = rig.read(now_ + ms / 2);
+    if (!had_zero && has_zero()) note_homing();
     static_cast<void>(rig.command(std::span(&F, 1), now_ + ms / 2));
     device.end_cycle();
     now_ += ms;
@@ -202,10 +237,32 @@ class SupervisedRig {
     if (!is_armed && std::abs(torque_Nm) > std::abs(before_Nm)) fail("torque rises unarmed");
     if (is_armed && cycles_without_pose_ > lost_cycles) fail("armed without a live hand");
     if (is_armed && rig.faults() != RigFault::none) fail("armed with a fault");
+    check_zero(sample, is_armed, has_torque);
     const bool is_reached = cycles_sent_ > ramp_cycles;
     if (has_torque && is_reached && cycles_not_armed_ > ramp_cycles) fail("torque after its ramp");
     if (has_torque && cycles_sent_ > 2 && cycles_at_once_ > 1) fail("torque after an emergency stop");
     if (has_torque && cycles_not_armed_ > watchdog_cycles + ramp_cycles) fail("torque after the watchdog");
+  }
+  bool has_zero() const { return rig.num_encoders() == 0 || rig.encoder(0).has_zero(); }
+  void note_homing() {
+    if (!device.home_pressed) fail("homed without a press");
+    if (cycles_at_rest_ < rest_cycles) fail("homed while the joint moved");
+    is_homed_ = true;
+    counts_at_home_ = device.encoder_counts;
+  }
+  void check_zero(const DeviceSample& sample, bool is_armed, bool has_torque) {
+    if (!rig.needs_homing() || params.encoders.empty()) return;
+    const double count_rad = 1 / params.encoders[0].calibration.counts_per_unit;
+    const double q = params.encoders[0].calibration.home +
+                     count_rad * static_cast<std::int32_t>(device.encoder_counts - counts_at_home_);
+    if (is_armed && !has_zero()) fail("armed without a zero");
+    if (sample.valid && sample.fresh && !is_homed_) fail("a pose with the zero of before the restart");
+    if (sample.valid && sample.fresh && std::abs(sample.q(0) - q) > count_rad) fail("a wrong pose");
+    if (rig.state() != RigState::homing) return;
+    if (sample.valid) fail("a pose while homing");
+    if (has_torque || device.drive == DriveState::operation_enabled) ++cycles_enabled_;
+    else cycles_enabled_ = 0;
+    if (cycles_enabled_ > 2 && cycles_sent_ > 2) fail("drive enabled while homing");
   }
   void fail(const char* promise) {
     if (broken.empty()) broken = promise;
@@ -213,6 +270,9 @@ class SupervisedRig {
 
   Nanoseconds now_ = 0;
   bool requested_ = false;  // arm() was called, and armed not left since
+  bool is_homed_ = false;   // the home pose was confirmed, and the encoder has not restarted since
+  std::uint32_t counts_at_home_ = 0;
+  int cycles_enabled_ = 0, cycles_at_rest_ = 0;  // while homing
   int cycles_not_armed_ = 0, cycles_at_once_ = 0, cycles_without_pose_ = 0, cycles_sent_ = 0;
 };
 

@@ -158,6 +158,69 @@ TEST(Encoder, StaleAfterTheLimit) {
   EXPECT_FALSE(encoder.sample(4 * ms + 1).valid);
 }
 
+Calibration incremental(std::uint64_t modulus_counts) {
+  return {.counts_per_unit = 1000, .modulus_counts = modulus_counts, .home = 0.7, .incremental = true};
+}
+
+TEST(Encoder, AnIncrementalSensorIsNotValidBeforeItsZero) {
+  Encoder encoder = make_encoder(incremental(0));
+  EXPECT_TRUE(encoder.is_incremental());
+  encoder.update(123'456, ms);
+  encoder.update(123'496, 2 * ms);
+  EXPECT_TRUE(encoder.good(2 * ms));
+  EXPECT_FALSE(encoder.sample(2 * ms).valid);
+  encoder.set_zero();
+  EXPECT_TRUE(encoder.sample(2 * ms).valid);
+  EXPECT_DOUBLE_EQ(encoder.sample(2 * ms).q, 0.7);
+  EXPECT_EQ(encoder.sample(2 * ms).q_dot, 0) << "the zero is no motion";
+  encoder.update(123'500, 3 * ms);
+  EXPECT_DOUBLE_EQ(encoder.sample(3 * ms).q, 0.704);
+  EXPECT_NEAR(encoder.sample(3 * ms).q_dot, 4, 1e-9);
+  encoder.drop_zero();
+  EXPECT_FALSE(encoder.sample(3 * ms).valid);
+}
+
+TEST(Encoder, AnAbsoluteSensorKeepsItsZero) {
+  Encoder encoder = make_encoder(turn_of_4096());
+  EXPECT_TRUE(encoder.has_zero());
+  encoder.update(100, ms);
+  encoder.drop_zero();
+  EXPECT_TRUE(encoder.sample(ms).valid);
+}
+
+TEST(Encoder, WithoutASampleThereIsNoZero) {
+  Encoder encoder = make_encoder(incremental(0));
+  encoder.set_zero();
+  EXPECT_FALSE(encoder.has_zero());
+}
+
+TEST(Encoder, AnIncrementalSensorCountsTurnsFromItsZeroOn) {
+  Encoder encoder = make_encoder(incremental(4096));
+  std::uint32_t counts = 4000;
+  Nanoseconds t = 0;
+  const auto turn = [&](int steps) {
+    for (int i = 0; i < steps; ++i) encoder.update(counts = (counts + 40) % 4096, t += ms);
+  };
+  turn(300);
+  encoder.set_zero();
+  turn(250);
+  EXPECT_DOUBLE_EQ(encoder.sample(t).q, 0.7 + 10);
+}
+
+TEST(Encoder, AResyncDropsTheZero) {
+  Encoder jumped = make_encoder(incremental(0)), silent = make_encoder(incremental(4096));
+  for (Encoder* const encoder : {&jumped, &silent}) {
+    encoder->update(100, ms);
+    encoder->set_zero();
+  }
+  for (Nanoseconds i = 2; i <= 4; ++i) jumped.update(2000, i * ms);
+  EXPECT_TRUE(jumped.good(4 * ms));
+  EXPECT_FALSE(jumped.has_zero()) << "counts were lost, or the sensor was reset";
+  silent.update(120, 500 * ms);
+  EXPECT_TRUE(silent.good(500 * ms));
+  EXPECT_FALSE(silent.has_zero()) << "its turn is unknown";
+}
+
 TEST(Encoder, DuplicateIsIgnored) {
   Encoder encoder = make_encoder(turn_of_4096());
   encoder.update(100, ms);

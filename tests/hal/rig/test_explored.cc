@@ -20,6 +20,7 @@ namespace {
 
 using cia402::DriveState;
 using test::input_id;
+using test::num_incremental_rig_trials;
 using test::num_rig_trials;
 using test::RigTrial;
 using test::shrunk;
@@ -35,33 +36,73 @@ std::string text_of(const Path& path) {
   return text;
 }
 
-TEST(Explored, EveryStateOfRigDriveAndLinkKeepsThePromises) {
+/// Returns the events from first on, but not `last`.
+Path events_from(RigTrial first, int last) {
+  Path events;
+  for (int i = static_cast<int>(first); i < last; ++i) events.push_back(static_cast<RigTrial>(i));
+  return events;
+}
+
+/// Visits every state of the rig with every event. Returns the number of states; states: those of the rig.
+std::size_t explore(const RigParams& params, const Path& events, std::set<RigState>& states) {
   std::deque<Path> open{{}};
-  std::set<decltype(SupervisedRig{}.key())> seen{SupervisedRig{}.key()};
-  std::set<RigState> rig_states;
+  std::set<decltype(SupervisedRig{}.key())> seen{SupervisedRig(params).key()};
   while (!open.empty()) {
     const Path path = open.front();
     open.pop_front();
-    for (int i = 0; i < num_rig_trials; ++i) {
-      SupervisedRig world;
+    for (const RigTrial next : events) {
+      SupervisedRig world(params);
       Path longer = path;
-      longer.push_back(static_cast<RigTrial>(i));
+      longer.push_back(next);
       for (const RigTrial event : longer) world.apply(event);
-      rig_states.insert(world.rig.state());
-      ASSERT_EQ(world.broken, "") << "after the events" << text_of(longer);
+      states.insert(world.rig.state());
+      EXPECT_EQ(world.broken, "") << "after the events" << text_of(longer);
+      if (!world.broken.empty()) return 0;
       if (seen.insert(world.key()).second) open.push_back(longer);
     }
   }
-  EXPECT_EQ(rig_states.size(), 6u);
+  return seen.size();
+}
+
+std::string document() {
   std::ifstream file(GODOBJECT_SOURCE_DIR "/docs/faults.md");
   std::stringstream text;
   text << file.rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr(std::to_string(seen.size()) + " states with " +
+  return text.str();
+}
+
+TEST(Explored, EveryStateOfRigDriveAndLinkKeepsThePromises) {
+  std::set<RigState> states;
+  const std::size_t num_states =
+      explore(test::params_of_rig(), events_from(RigTrial::start, num_rig_trials), states);
+  EXPECT_EQ(states.size(), 6u);
+  EXPECT_THAT(document(), HasSubstr(std::to_string(num_states) + " states with " +
                                     std::to_string(num_rig_trials) + " events"));
 }
 
-std::string broken_by(const Path& path) {
-  SupervisedRig world;
+// Only the requests and the events of the encoder; the random sequences have all events.
+TEST(Explored, EveryStateOfAnIncrementalRigKeepsThePromises) {
+  const Path events{RigTrial::start,
+                    RigTrial::arm,
+                    RigTrial::clear,
+                    RigTrial::deadlines_missed,
+                    RigTrial::encoder_unplugged,
+                    RigTrial::encoder_plugged,
+                    RigTrial::encoder_restarts,
+                    RigTrial::cycle,
+                    RigTrial::wait,
+                    RigTrial::press_home,
+                    RigTrial::release_home,
+                    RigTrial::move};
+  std::set<RigState> states;
+  const std::size_t num_states = explore(test::params_of_incremental_rig(), events, states);
+  EXPECT_EQ(states.size(), 7u);
+  EXPECT_THAT(document(), HasSubstr(std::to_string(num_states) + " states with " +
+                                    std::to_string(events.size()) + " events"));
+}
+
+std::string broken_by(const Path& path, const RigParams& params = test::params_of_rig()) {
+  SupervisedRig world(params);
   for (const RigTrial event : path) world.apply(event);
   return world.broken;
 }
@@ -75,26 +116,37 @@ TEST(FaultCampaign, CounterExamplesAreShrunk) {
   EXPECT_EQ(shrunk(path, breaks), (Path{RigTrial::bus_off, RigTrial::arm}));
 }
 
-TEST(FaultCampaign, RandomSequencesKeepThePromises) {
+/// Plays random sequences of the rig's events after `begin`; often it plays the requests instead.
+void play_random(const RigParams& params, int num_events, const Path& begin, const Path& requests) {
   constexpr int num_sequences = 500, most_events = 20;
-  constexpr std::array requests{RigTrial::clear, RigTrial::wait, RigTrial::arm};
   std::mt19937 random(1);
   const auto below = [&](std::size_t n) {
     return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
   };
   test::Share share;
   for (int i = 0; i < num_sequences; ++i) {
-    Path path{RigTrial::start, RigTrial::wait, RigTrial::arm};
+    Path path = begin;
     const std::size_t length = 1 + below(most_events);
     for (std::size_t k = 0; k < length; ++k)
       path.push_back(below(3) == 0 ? requests[below(requests.size())]
-                                   : static_cast<RigTrial>(below(static_cast<std::size_t>(num_rig_trials))));
+                                   : static_cast<RigTrial>(below(static_cast<std::size_t>(num_events))));
     if (!share.takes()) continue;
-    const std::string broken = broken_by(path);
+    const std::string broken = broken_by(path, params);
     if (broken.empty()) continue;
-    const Path shortest = shrunk(path, [](const Path& p) { return !broken_by(p).empty(); });
+    const Path shortest = shrunk(path, [&](const Path& p) { return !broken_by(p, params).empty(); });
     FAIL() << broken << ":" << text_of(shortest);
   }
+}
+
+TEST(FaultCampaign, RandomSequencesKeepThePromises) {
+  play_random(test::params_of_rig(), num_rig_trials, {RigTrial::start, RigTrial::wait, RigTrial::arm},
+              {RigTrial::clear, RigTrial::wait, RigTrial::arm});
+}
+
+TEST(FaultCampaign, RandomSequencesOfAnIncrementalRigKeepThePromises) {
+  play_random(test::params_of_incremental_rig(), num_incremental_rig_trials,
+              {RigTrial::start, RigTrial::wait, RigTrial::press_home, RigTrial::wait, RigTrial::arm},
+              {RigTrial::clear, RigTrial::wait, RigTrial::arm, RigTrial::release_home, RigTrial::press_home});
 }
 
 /// Applies events in turn.

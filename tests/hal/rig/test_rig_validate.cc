@@ -36,6 +36,19 @@ TEST(RigValidate, AcceptsBranchesFromAnyEarlierJointAndTheBase) {
   EXPECT_THAT(validate(rig, cycle_s), IsEmpty());
 }
 
+TEST(RigValidate, AcceptsIncrementalSensorsWithAHomeButton) {
+  RigParams rig = good_rig();
+  rig.encoders[0].calibration.incremental = rig.drives[1].calibration.incremental = true;
+  rig.buttons = {{.use = ButtonUse::home, .node_id = 5}};
+  EXPECT_THAT(validate(rig, cycle_s), IsEmpty());
+}
+
+TEST(RigValidate, AnIncrementalDriveBesideAnEncoderNeedsNoHoming) {
+  RigParams rig = good_rig();
+  rig.drives[0].calibration.incremental = true;
+  EXPECT_THAT(validate(rig, cycle_s), IsEmpty());
+}
+
 TEST(RigValidate, AcceptsOtherDrivesOnABusOfTheirOwnAndButtonsOfOneNode) {
   RigParams rig = good_rig();
   rig.drives[1].protocol = DriveProtocol::moteus;
@@ -72,6 +85,23 @@ const BrokenRule broken_rules[] = {
     {"joint 'yaw': has 2 drives", [](RigParams& r) { r.drives[1].joint = "yaw"; }},
     {"joint 'pitch': name must be given and unique",
      [](RigParams& r) { r.tree.joints.push_back({.name = "pitch"}); }},
+    {"joint 'yaw': its sensor is incremental, so the user must confirm the home pose: add a "
+     "[[device.button]]",
+     [](RigParams& r) { r.encoders[0].calibration.incremental = true; }},
+    {"a button has use = \"home\", but no joint is measured by an incremental sensor",
+     [](RigParams& r) { r.buttons = {{.use = ButtonUse::home, .node_id = 5}}; }},
+    {"encoder of joint 'yaw': offset_counts has no meaning with incremental = true",
+     [](RigParams& r) {
+       r.encoders[0].calibration.incremental = true;
+       r.encoders[0].calibration.offset_counts = 5;
+     }},
+    {"joint 'yaw': home of its sensor is 2, must be within lower and upper",
+     [](RigParams& r) {
+       r.encoders[0].calibration.incremental = true;
+       r.encoders[0].calibration.home = 2;
+       r.tree.joints[0].lower = -1;
+       r.tree.joints[0].upper = 1;
+     }},
     {"axis must have unit length", [](RigParams& r) { r.tree.joints[0].axis_J = Vec3(1, 1, 0); }},
     {"handle of body 'tool': pose must be finite",
      [](RigParams& r) { r.tree.handles[0].X_LH.p.x() = std::numeric_limits<double>::quiet_NaN(); }},

@@ -114,7 +114,8 @@ TEST(Supervisor, FaultIsLeftOnRequestOnly) {
 
 TEST(Supervisor, TorqueRemovedAtOnceStaysSo) {
   Supervisor s;
-  for (const RigEvent event : {RigEvent::start, RigEvent::nodes_up, RigEvent::drives_up, RigEvent::arm})
+  for (const RigEvent event :
+       {RigEvent::start, RigEvent::nodes_up, RigEvent::homed, RigEvent::drives_up, RigEvent::arm})
     ASSERT_TRUE(s.on(event));
   EXPECT_EQ(s.torque(), TorqueOutput::normal);
   ASSERT_TRUE(s.on(RigEvent::quick_stop));
