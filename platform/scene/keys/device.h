@@ -1,6 +1,7 @@
 // All keys below [device] of a scene file. Visitors: platform/scene/text/key.h.
 #pragma once
 
+#include "hal/rig/validate.h"
 #include "platform/scene/keys/device_node.h"
 #include "platform/scene/keys/device_plant.h"
 
@@ -47,6 +48,7 @@ void check_rig(V& v, const RigParams& rig) {
     v.check(std::ranges::any_of(rig.encoders, on_joint) || std::ranges::any_of(rig.drives, on_joint), "",
             "joint '" + joint.name + "' is not measured: add a [[device.encoder]] for it");
   }
+  for (const std::string& error : homing_errors(rig)) v.check(false, "", error);
 }
 
 /// Gives a device without joints of its own those of the tool. Returns the handles.

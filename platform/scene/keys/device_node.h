@@ -44,7 +44,15 @@ template <class V>
 void visit_zero(V& v, Calibration& c, double& max_speed) {
   v.value(Key{"offset_counts", "", "count at `home`", {-9007199254740992.0, 9007199254740992.0}},
           c.offset_counts);
-  v.value(Key{"home", "rad or m", "coordinate at `offset_counts`, e.g. in a jig"}, c.home);
+  v.value(
+      Key{"home", "rad or m", "coordinate at `offset_counts`, e.g. in a jig; incremental: in the home pose"},
+      c.home);
+  v.value(Key{"incremental", "",
+              "it forgets its zero without power: each boot waits for the home pose "
+              "([how to](how-to/calibrate.md#incremental-encoders))"},
+          c.incremental);
+  v.check(!c.incremental || c.offset_counts == 0, "offset_counts",
+          "has no meaning with incremental = true, because homing measures it: remove it");
   v.value(Key{"modulus_counts", "", "counts wrap here; 0: never", {0, 4294967296.0}}, c.modulus_counts);
   v.value(Key{"max_speed", "rad/s or m/s", "largest plausible speed; faster samples are rejected", positive},
           max_speed);
@@ -110,11 +118,13 @@ void visit_drive(V& v, const RigNames& names, DriveParams& d) {
 
 template <class V>
 void visit_button(V& v, const RigNames& names, ButtonParams& b) {
-  choose(v,
-         Key{"use", "",
-             "hold: presses grip the nearest body and release it in turn; clutch: closes a relative device's "
-             "clutch while pressed; stop: emergency stop, best a contact that opens, active_low"},
-         button_use_names, b.use);
+  choose(
+      v,
+      Key{"use", "",
+          "hold: presses grip the nearest body and release it in turn; clutch: closes a relative device's "
+          "clutch while pressed; stop: emergency stop, best a contact that opens, active_low; home: confirms "
+          "the home pose of incremental sensors"},
+      button_use_names, b.use);
   visit_node(v, names, "CANopen node-ID", b.bus, b.node_id);
   v.value(Key{"bit", "", "of the node's first eight inputs, 6000h:01", {0, 7}}, b.bit);
   v.value(Key{"active_low", "", "the input is 0 while pressed"}, b.active_low);
@@ -153,7 +163,7 @@ void visit_nodes(V& v, const RigNames& names, RigParams& rig) {
     t.check(nodes.emplace(bus, node_id).second, "node_id",
             "is taken by another node of this bus: choose another");
   };
-  v.tables(TableKey{"encoder", "A CiA 406 absolute encoder."}, rig.encoders, [&](auto& t, EncoderParams& e) {
+  v.tables(TableKey{"encoder", "A CiA 406 encoder."}, rig.encoders, [&](auto& t, EncoderParams& e) {
     visit_encoder(t, names, e);
     check_node(t, e.bus, e.node_id);
   });

@@ -83,6 +83,9 @@ void visit_plant(V& v, const std::vector<DeviceJoint>& joints, PlantConfig& p) {
                     p);
   take_numbers_of_all(v, p);
   v.value(Key{"gravity", "m/s^2", "on the links that have a mass, world axes"}, p.gravity_W);
+  v.value(Key{"hand_homes", "",
+              "before the motion the hand brings incremental sensors to their `home` and presses the button"},
+          p.hand_homes);
   std::vector<std::string> names;
   for (const DeviceJoint& joint : joints) names.push_back(joint.name);
   std::vector<PlantConfig::OfJoint> own = p.joints;
