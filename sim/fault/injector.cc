@@ -8,6 +8,7 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds impostor_heartbeat_ns = 100'000'000;
+constexpr double max_power_on_counts = 500'000;
 constexpr double impostor_counts = 12345;  // no working node shows this value for long
 
 bool acts_on(const SimFault& fault, std::size_t bus, std::uint8_t node_id) noexcept {
@@ -35,7 +36,8 @@ std::size_t FaultInjector::add_node(std::size_t bus, SimCanPort& port, SimNode& 
                     .node = &node,
                     .impostor = std::move(impostor),
                     .calibration = calibration,
-                    .shows = nodes_.size()});
+                    .shows = nodes_.size(),
+                    .power_on = draw_power_on(calibration)});
   return nodes_.size() - 1;
 }
 
@@ -94,6 +96,7 @@ void FaultInjector::begin(const SimFault& fault, Nanoseconds now) noexcept {
   switch (fault.verb) {
     case FaultVerb::reboot_node:
       node->node->power_cycle(now);
+      node->power_on = draw_power_on(node->calibration);
       if (!once) node->port->close();  // the boot-up message is sent once the port is open
       break;
     case FaultVerb::emcy: node->node->trip(static_cast<std::uint16_t>(fault.value)); break;
@@ -127,6 +130,12 @@ void FaultInjector::end(const SimFault& fault) noexcept {
     case FaultVerb::flood: dismiss(&BusEntry::flood, fault); break;
     default: break;
   }
+}
+
+/// Returns whole counts from -max_power_on_counts on, as a coordinate; 0 for an absolute sensor.
+double FaultInjector::draw_power_on(const Calibration& calibration) noexcept {
+  if (!calibration.incremental) return 0;
+  return std::floor(max_power_on_counts * (2 * random_.uniform() - 1)) / calibration.counts_per_unit;
 }
 
 const SimCanPort* FaultInjector::port_of(std::size_t bus, std::uint8_t node_id) const noexcept {

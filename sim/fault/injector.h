@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/bus/random.h"
 #include "sim/fault/sensor_fault.h"
 #include "sim/fault/target.h"
 #include "sim/node/encoder.h"
@@ -26,6 +27,9 @@ class FaultInjector {
 
   // Set-up, in the order of the rig's buses. Added objects must outlive the injector. Allocates.
 
+  /// seed: of the counts at power-on of incremental sensors.
+  explicit FaultInjector(std::uint64_t seed = 1) noexcept : random_(seed) {}
+
   /// nodes: nodes that run on the wire; impostors and strangers are added to it. rig: parameters of all
   /// buses.
   void add_bus(SimCanWire& wire, SimCanPort& host, std::vector<SimNode*>& nodes, const RigParams& rig);
@@ -43,12 +47,13 @@ class FaultInjector {
   void clear(Nanoseconds now) noexcept;
 
   /// Sets the coordinate q of a node's joint, rad or m.
-  void move(std::size_t node, double q) noexcept { nodes_[node].q = q; }
+  void move(std::size_t node, double q) noexcept { nodes_[node].q = q + nodes_[node].power_on; }
   /// Returns the coordinate shown by a node's sensor, after move() of all nodes.
   double shown(std::size_t node) const noexcept;
-  /// True while the emergency stop of a node is pressed.
-  bool is_stop_pressed(std::size_t bus, std::uint8_t node_id) const noexcept {
-    return level(FaultVerb::press, bus, node_id).has_value();
+  /// True while a fault presses the button.
+  bool is_pressed(const ButtonParams& button) const noexcept {
+    const std::optional<double> input = level(FaultVerb::press, button.bus, button.node_id);
+    return input && presses(*input, button);
   }
   std::span<const ActiveFault> active() const noexcept { return active_; }
   std::uint64_t begun() const noexcept { return begun_; }
@@ -78,7 +83,8 @@ class FaultInjector {
     Calibration calibration;
     SensorFault sensor{};
     std::size_t shows;  // index into nodes_ of the node whose sensor is sent under this id
-    double q = 0;       // coordinate of its joint
+    double q = 0;       // coordinate of its joint, since its power-on
+    double power_on;    // displacement of an incremental sensor since its power-on, rad or m
     double clock_error_ppm = 0;
   };
 
@@ -92,6 +98,7 @@ class FaultInjector {
   void admit(Stranger BusEntry::*which, const SimFault& fault, double period_s, Nanoseconds now) noexcept;
   void dismiss(Stranger BusEntry::*which, const SimFault& fault) noexcept;
   void swap_ids() noexcept;
+  double draw_power_on(const Calibration& calibration) noexcept;
   std::size_t index_of(std::size_t bus, std::uint8_t node_id) const noexcept;
   NodeEntry* node_of(const SimFault& fault) noexcept;
   template <class Function>
@@ -102,6 +109,7 @@ class FaultInjector {
   std::vector<SimFault> waiting_;
   std::vector<ActiveFault> active_;
   std::uint64_t begun_ = 0;
+  SplitMix64 random_;
 };
 
 }  // namespace godobject

@@ -73,15 +73,14 @@ std::string check_swap(const RigParams& rig, const SimFault& fault) {
   return are_two ? "" : "node and value must be two encoders on one bus";
 }
 
-/// Checks a node whose emergency stop is pressed. Returns the error; empty if none.
+/// Checks a node whose button is pressed. Returns the error; empty if none.
 std::string check_press(const RigParams& rig, const SimFault& fault) {
-  const auto is_stop = [&](const ButtonParams& button) {
-    return button.use == ButtonUse::stop && button.bus == fault.first_bus && button.node_id == fault.node_id;
+  const auto is_it = [&](const ButtonParams& button) {
+    return button.bus == fault.first_bus && button.node_id == fault.node_id && presses(fault.value, button);
   };
-  return std::ranges::any_of(rig.buttons, is_stop)
-             ? ""
-             : "node " + std::to_string(fault.node_id) +
-                   " has no emergency stop: give that of a [[device.button]] with use = \"stop\"";
+  if (std::ranges::any_of(rig.buttons, is_it)) return "";
+  return "node " + std::to_string(fault.node_id) + " has no button at input " + shortest(fault.value) +
+         ": give node and input (bit + 1) of a [[device.button]]";
 }
 
 bool to_number(std::string_view text, double& out) {

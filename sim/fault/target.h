@@ -22,6 +22,9 @@ struct SimFault {
   double value = 0;                        // effective value: the verb's default instead of 0
 };
 
+/// True if the verb `press` with this value acts on the button of its node.
+constexpr bool presses(double value, const ButtonParams& button) noexcept { return value == button.bit + 1; }
+
 struct FaultResult {
   std::optional<SimFault> fault;  // none: see error
   std::string error;              // completes "fault ...: "

@@ -86,8 +86,10 @@ SimRig::SimRig(const SimRigConfig& config, double cycle_s, std::shared_ptr<const
       tree_(params_.tree),
       gravity_W_(config.plant.gravity_W),
       transmission_(params_.transmissions, params_.tree.joints),
+      homing_(params_, config.plant.hand_homes),
       ik_(params_.tree),
-      ik_target_(config.target) {
+      ik_target_(config.target),
+      faults_(config.wire.seed) {
   for (std::size_t i = 0; i < params_.buses.size(); ++i) {
     SimWireParams wire;
     const BusParams& bus = params_.buses[i];
@@ -169,13 +171,22 @@ void SimRig::press_buttons(double motion_time) noexcept {
     unsigned inputs = 0;
     for (const ButtonParams& b : params_.buttons) {
       if (b.bus != at.bus || b.node_id != at.node->node_id()) continue;
-      const bool pressed = b.use == ButtonUse::hold     ? hand_->presses_hold(motion_time)
-                           : b.use == ButtonUse::clutch ? hand_->presses_clutch(ik_target_, motion_time)
-                                                        : faults_.is_stop_pressed(b.bus, b.node_id);
-      inputs |= (pressed != b.active_low ? 1u : 0u) << b.bit;
+      inputs |= (is_pressed(b, motion_time) != b.active_low ? 1u : 0u) << b.bit;
     }
     at.node->set_inputs(static_cast<std::uint8_t>(inputs));
   }
+}
+
+/// True if the hand or a fault presses the button.
+bool SimRig::is_pressed(const ButtonParams& button, double motion_time) const noexcept {
+  if (faults_.is_pressed(button)) return true;
+  switch (button.use) {
+    case ButtonUse::hold: return hand_->presses_hold(motion_time);
+    case ButtonUse::clutch: return hand_->presses_clutch(ik_target_, motion_time);
+    case ButtonUse::home: return homing_.presses();
+    case ButtonUse::stop: break;
+  }
+  return false;
 }
 
 const SimCanPort* SimRig::node_port(std::size_t bus, std::uint8_t node_id) const noexcept {
@@ -212,7 +223,10 @@ JointTarget SimRig::hand_at(double motion_time) noexcept {
   JointTarget hand =
       hand_->moves_joints() ? hand_->joints(motion_time) : invert(hand_->target(ik_target_, motion_time));
   if (motion_time <= 0) hand.q_dot.setZero();  // the motion has not begun
-  return hand;
+  if (!homing_.is_used()) return hand;
+  const JointTarget moved =
+      homing_.moved({.q = transmission_.actuators(hand.q), .q_dot = transmission_.actuators(hand.q_dot)});
+  return {.q = transmission_.joints(moved.q), .q_dot = transmission_.joints(moved.q_dot)};
 }
 
 JointTarget SimRig::invert(const Target& target) noexcept {
@@ -238,6 +252,7 @@ std::optional<Nanoseconds> SimRig::next_event() const noexcept {
 
 void SimRig::run_plant(Nanoseconds t, double motion_time) noexcept {
   faults_.run(t, motion_time);
+  homing_.advance(t, motion_time);
   JointVector tau = JointVector::Zero(plant_->q().size());
   for (const DriveAt& d : drives_)
     tau[d.joint] = d.motor->applied_torque_Nm() * d.actuator_torque_per_motor_Nm;

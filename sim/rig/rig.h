@@ -16,6 +16,7 @@
 #include "sim/hand.h"
 #include "sim/node/button.h"
 #include "sim/node/encoder.h"
+#include "sim/rig/homing_hand.h"
 #include "sim/rig/plant.h"
 
 namespace godobject {
@@ -81,6 +82,8 @@ class SimRig {
   double hand_torque(std::size_t joint) const noexcept {
     return plant_->hand_torque()[static_cast<Eigen::Index>(joint)];
   }
+  /// True if the hand homes the device before its motion.
+  bool hand_homes() const noexcept { return homing_.is_used(); }
   /// Returns the mean load of a bus since the start, percent.
   double load_percent(std::size_t bus, Nanoseconds now) const noexcept;
 
@@ -119,6 +122,7 @@ class SimRig {
   void add_drive(const DriveParams& d, const std::optional<NodeProfile>& device,
                  const std::optional<NodeProfile>& stored, double heartbeat_s);
   void add_button(const ButtonParams& b, double heartbeat_s);
+  bool is_pressed(const ButtonParams& button, double motion_time) const noexcept;
   void press_buttons(double motion_time) noexcept;
   Eigen::Index joint_named(const std::string& name) const;
   JointTarget hand_at(double motion_time) noexcept;
@@ -131,6 +135,7 @@ class SimRig {
   KinematicTree tree_;
   Vec3 gravity_W_;
   Transmission transmission_;
+  HomingHand homing_;
   InverseKinematics ik_;
   std::size_t ik_target_ = 0;  // target of the hand that ik_ follows
   bool reachable_ = true;

@@ -73,6 +73,8 @@ class FaultedRun {
     return holds();
   }
   bool is(RigState state) const { return session->state() == state; }
+  const CycleRecord& record() const { return record_; }
+  const SimRig& device() const { return link_->rig(); }
   RigState rig_state() const { return session->rig()->state(); }
   double motor_torque_Nm() const {
     double largest = 0;

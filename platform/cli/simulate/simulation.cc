@@ -18,6 +18,8 @@ namespace {
 
 /// Number of periods without SYNC after which the mechanics run by themselves.
 constexpr int periods_without_sync = 5;
+/// Longest time without SYNC of a host that does not boot again.
+constexpr Nanoseconds longest_gap_ns = 100'000'000;
 /// Longest time between two steps, so that holds are measured.
 constexpr Nanoseconds longest_step_ns = 1'000'000;
 
@@ -114,7 +116,7 @@ Simulation::Simulation(const SceneConfig& scene, const RigProfiles& devices, con
   std::vector<SimTracker*> far;
   for (const std::unique_ptr<TrackerLine>& tracker : trackers_) far.push_back(&tracker->far());
   if (!far.empty()) tools_.emplace(sim_trackers_config(scene), hand, std::move(far));
-  if (!motion_waits_for_sync) t_motion_ns_ = 0;
+  if (!motion_waits_for_sync) start_motion();
 }
 
 void Simulation::step(Nanoseconds wall_ns) noexcept {
@@ -181,9 +183,10 @@ void Simulation::watch_commands(std::size_t bus, const CanFrame& frame) noexcept
 
 // Positions are those at the time of the SYNC. The SYNC of the next bus follows at once and changes nothing.
 void Simulation::on_sync() noexcept {
+  const bool is_first = !t_motion_ns_ || now() - t_sync_ns_ >= longest_gap_ns;
   ++syncs_;
   t_sync_ns_ = now();
-  if (!t_motion_ns_) t_motion_ns_ = now();
+  if (is_first) start_motion();
   if (2 * (now() - t_plant_ns_) >= period_ns_) run_plant();
 }
 
@@ -211,7 +214,17 @@ Nanoseconds Simulation::next_event() const noexcept {
   return std::min({t_plant_ns, rig_->next_event().value_or(t_plant_ns), t_latest_ns});
 }
 
-double Simulation::motion_time() const noexcept { return t_motion_ns_ ? seconds(now() - *t_motion_ns_) : 0; }
+/// Starts the motion. A hand that homes the device holds it before, also for each later boot of the host.
+void Simulation::start_motion() noexcept {
+  if (!t_motion_ns_) t_motion_ns_ = now();
+  if (!rig_ || !rig_->hand_homes()) return;
+  motion_held_s_ = motion_time();
+  *t_motion_ns_ += to_ns(HomingHand::usual_time_s);
+}
+
+double Simulation::motion_time() const noexcept {
+  return t_motion_ns_ ? std::max(seconds(now() - *t_motion_ns_), motion_held_s_) : 0;
+}
 
 std::vector<int> Simulation::descriptors() const {
   std::vector<int> out;

@@ -174,6 +174,7 @@ class Simulation {
   void run_trackers() noexcept;
   nlohmann::ordered_json faults_json() const;
   nlohmann::ordered_json bus_off_json() const;
+  void start_motion() noexcept;
   void take_frames() noexcept;
   void on_sync() noexcept;
   void watch_commands(std::size_t bus, const CanFrame& frame) noexcept;
@@ -193,6 +194,7 @@ class Simulation {
   Nanoseconds t_plant_ns_ = 0;              // end of the simulated mechanics
   Nanoseconds t_sync_ns_ = 0;               // time of the latest SYNC
   std::optional<Nanoseconds> t_motion_ns_;  // start of the motion
+  double motion_held_s_ = 0;                // least time of the motion
   std::uint64_t syncs_ = 0;
 };
 

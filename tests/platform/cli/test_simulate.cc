@@ -46,7 +46,7 @@ class FakeBus final : public LinuxBus {
 
 class SimulateTest : public testing::Test {
  protected:
-  SimulateTest() : scene_(test::two_joints()), motion_(scene_) {
+  explicit SimulateTest(SceneConfig scene = test::two_joints()) : scene_(std::move(scene)), motion_(scene_) {
     std::vector<OfferedBus> offered;
     for (const bool is_tap : {false, true}) {
       for (std::size_t wire = 0; wire < 2; ++wire) {
@@ -107,6 +107,39 @@ TEST_F(SimulateTest, MotionBeginsWithTheFirstSync) {
   run_until(30 * ms);
   EXPECT_NEAR(simulation_->motion_time(), 0.010, 1.1e-3)
       << "it is seen with the next event, at most a period later";
+}
+
+class HomedSimulateTest : public SimulateTest {
+ protected:
+  HomedSimulateTest() : SimulateTest(incremental()) {}
+  static SceneConfig incremental() {
+    SceneConfig scene = test::two_joints();
+    scene.device->rig->encoders[0].calibration = {.counts_per_unit = 1000, .incremental = true};
+    scene.device->rig->buttons.push_back({.use = ButtonUse::home, .node_id = 3, .bit = 1});
+    return scene;
+  }
+  void run_with_sync_until(Nanoseconds t) {
+    while (now_ < t) {
+      buses_[0]->arrived.push_back(canopen::make_sync());
+      run_until(now_ + 50 * ms);
+    }
+  }
+};
+
+// The hand homes the device while the host boots, also when it boots again after the end of a run.
+TEST_F(HomedSimulateTest, MotionWaitsForTheHandThatHomes) {
+  run_with_sync_until(2900 * ms);
+  EXPECT_EQ(simulation_->motion_time(), 0);
+  run_with_sync_until(3500 * ms);
+  EXPECT_NEAR(simulation_->motion_time(), 0.5, 2e-3);
+  run_until(3700 * ms);
+  run_with_sync_until(3750 * ms);
+  const double before_s = simulation_->motion_time();
+  EXPECT_NEAR(before_s, 0.7, 2e-3);
+  run_with_sync_until(6600 * ms);
+  EXPECT_EQ(simulation_->motion_time(), before_s);
+  run_with_sync_until(7000 * ms);
+  EXPECT_NEAR(simulation_->motion_time(), before_s + 0.3, 2e-3);
 }
 
 TEST_F(SimulateTest, TapHearsTheHostAndSpeaksAsANode) {

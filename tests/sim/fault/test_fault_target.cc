@@ -67,7 +67,7 @@ TEST(FaultTarget, SaysWhatIsWrong) {
   EXPECT_THAT(complaint("drop value=much"), HasSubstr("must be a number"));
   EXPECT_THAT(complaint("drop node=0"), HasSubstr("out of range"));
   EXPECT_THAT(complaint("drop can0"), HasSubstr("key=value"));
-  EXPECT_THAT(complaint("press bus=can0 node=1"), HasSubstr("node 1 has no emergency stop"));
+  EXPECT_THAT(complaint("press bus=can0 node=1"), HasSubstr("node 1 has no button at input 1"));
   EXPECT_THAT(complaint("  "), HasSubstr("expected a verb"));
 }
 
