@@ -1,6 +1,7 @@
 #include "platform/rig/run.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "platform/device/hand_device.h"
 #include "platform/rig/buses.h"
@@ -123,6 +124,7 @@ RigRun::Result RigRun::run(const Step& step) {
     const SignalStack stack;
     const RtProcess process;
     static_cast<void>(set_up_rt_thread());
+    if (device_->rig().needs_homing()) std::fprintf(stderr, "%s\n", homing_request(rig).c_str());
     RigCycle cycle(scene_, *device_, step, signals);
     MonotonicClock clock;
     Cyclic loop(clock, to_ns(scene_.step));

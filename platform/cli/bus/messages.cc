@@ -146,6 +146,7 @@ std::string MessageDecoder::node_name(std::uint8_t id) const {
 /// modulus, as Encoder does. Counts without a modulus wrap at 2^32.
 std::string MessageDecoder::coordinate(std::int64_t counts, const Calibration& calibration,
                                        const std::string& joint) const {
+  if (calibration.incremental) return "zero unknown: incremental";
   std::int64_t difference = counts - calibration.offset_counts;
   constexpr std::int64_t counts_of_32_bits = std::int64_t{1} << 32;
   const std::int64_t modulus = calibration.modulus_counts == 0

@@ -30,6 +30,9 @@ std::string_view name_of(RunEventKind kind) noexcept {
     case RunEventKind::lost: return "lost";
     case RunEventKind::trying: return "trying";
     case RunEventKind::armed: return "armed";
+    case RunEventKind::homing: return "homing";
+    case RunEventKind::refused: return "refused";
+    case RunEventKind::homed: return "homed";
     case RunEventKind::stop: return "stop";
     case RunEventKind::world_lost: return "world_lost";
     case RunEventKind::world_back: return "world_back";
@@ -78,9 +81,22 @@ void EventWatch::look_at_rig(const Session& session, const Rig& rig) noexcept {
     const RigFaultRecord& record = records[num_seen_];
     push({.kind = RunEventKind::rig_fault, .rig_fault = record, .t_s = since_start_s(session, record.t_ns)});
   }
+  if (rig.needs_homing()) look_at_homing(rig, now_s);
   if (!was_lost_ || rig.state() != RigState::armed) return;
   was_lost_ = false;
   push({.kind = RunEventKind::armed, .t_s = now_s});
+}
+
+void EventWatch::look_at_homing(const Rig& rig, double now_s) noexcept {
+  const bool is_homing = rig.state() == RigState::homing;
+  const RefusedPresses& refused = rig.refused_presses();
+  if (is_homing && !was_homing_) push({.kind = RunEventKind::homing, .t_s = now_s});
+  if (refused.count > num_refused_)
+    push({.kind = RunEventKind::refused, .joint = refused.joint, .t_s = now_s});
+  const bool is_homed = rig.state() > RigState::homing && rig.state() <= RigState::armed;
+  if (was_homing_ && is_homed) push({.kind = RunEventKind::homed, .t_s = now_s});
+  num_refused_ = refused.count;
+  was_homing_ = is_homing;
 }
 
 void EventWatch::look_at_core(const CycleRecord& record) noexcept {
@@ -144,6 +160,16 @@ RunEvent RunEvents::event_of(const RunEventMark& mark) const {
       event.remedy = "restart its program, or let it send sooner than its valid_s";
       break;
     case RunEventKind::world_back: event.cause = "the world sends planes"; break;
+    case RunEventKind::homing:
+      event.cause = "HOMING: the motors have no torque";
+      event.remedy = homing_request(*session_.scene().device->rig);
+      break;
+    case RunEventKind::refused:
+      event.cause = "press refused: joint '" + session_.scene().device->rig->tree.joints[mark.joint].name +
+                    "' was not at rest for 0.1 s";
+      event.remedy = "keep the device in its home pose and press again";
+      break;
+    case RunEventKind::homed: event.cause = "homed: the zeros of the incremental sensors are set"; break;
     case RunEventKind::cleared: event.cause = "the faults of the device were cleared"; break;
     default: event.cause = "ARMED again: the motors have torque"; break;
   }

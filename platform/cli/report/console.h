@@ -24,6 +24,9 @@ enum class RunEventKind : std::uint8_t {
   lost,        // --rearm auto: the run continues when the device is back
   trying,      // --rearm auto: the device is not back yet
   armed,       // --rearm auto: the motors have torque again
+  homing,      // booting waits until the user confirms the home pose
+  refused,     // the home button was pressed while a joint moved
+  homed,       // the home pose was confirmed
   stop,        // a signal: torque runs down
   quick_stop,  // a second signal or the space bar: torque is cut at once
   world_lost,  // --world: no packet in time
@@ -41,6 +44,7 @@ struct RunEventMark {
   RunEventKind kind = RunEventKind::rig_fault;
   RigFaultRecord rig_fault{};
   std::size_t core_fault = 0;  // index of core_fault_texts
+  std::size_t joint = 0;       // of the device, that moved
   RunFault run_fault{};
   double t_s = 0;  // s, time of the motion
 };
@@ -71,18 +75,23 @@ class EventWatch {
   /// while the session runs.
   void restart() noexcept {
     num_seen_ = 0;
+    num_refused_ = 0;
+    was_homing_ = false;
     was_lost_ = true;
   }
 
  private:
   void look_at_rig(const Session& session, const Rig& rig) noexcept;
+  void look_at_homing(const Rig& rig, double now_s) noexcept;
   void look_at_core(const CycleRecord& record) noexcept;
   void look_at_run(const Session& session, const CycleRecord& record) noexcept;
   void look_at_world(const WorldPlanes& world, double t_s) noexcept;
   void push(const RunEventMark& mark) noexcept { static_cast<void>(out_.try_push(mark)); }
 
   Ring<RunEventMark>& out_;
-  std::size_t num_seen_ = 0;  // number of places of the rig reported so far
+  std::size_t num_seen_ = 0;       // number of places of the rig reported so far
+  std::uint64_t num_refused_ = 0;  // presses of the home button, likewise
+  bool was_homing_ = false;
   bool was_lost_ = false;
   bool was_world_live_ = false;
   bool had_missed_deadlines_ = false, had_oscillation_ = false;
