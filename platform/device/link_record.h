@@ -56,6 +56,11 @@ struct LinkEventSink {
 /// Hash of frames, in their order (FNV-1a).
 class FrameHash {
  public:
+  /// Begins with no frames.
+  FrameHash() = default;
+  /// Continues after the frames with this hash.
+  explicit FrameHash(std::uint32_t hash) noexcept : hash_(hash) {}
+
   void add(std::size_t bus, const CanFrame& frame) noexcept {
     add(static_cast<std::uint8_t>(bus));
     for (int shift = 0; shift < 32; shift += 8) add(static_cast<std::uint8_t>(frame.id >> shift & 0xff));

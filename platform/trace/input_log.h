@@ -216,8 +216,11 @@ class InputLogReader {
   std::uint64_t lost_rows() const noexcept { return lost_; }
   /// Number of bytes of damaged chunks so far; those after the last whole chunk do not count.
   std::uint64_t damaged_bytes() const noexcept { return damaged_; }
-  /// Continues with the last state up to a cycle, or else with the first row.
-  void continue_at(std::uint64_t cycle);
+  /// Continues with the last state up to a cycle, or else with the first row. Returns the cycle of the state
+  /// or of the start.
+  std::uint64_t continue_at(std::uint64_t cycle);
+  /// Continues with the first item after the start.
+  void begin_again() noexcept;
 
  private:
   struct Chunk {

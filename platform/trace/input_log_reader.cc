@@ -200,18 +200,26 @@ bool InputLogReader::read_links(std::string_view payload) {
   return bytes.is_complete();
 }
 
-void InputLogReader::continue_at(std::uint64_t cycle) {
-  at_ = first_;
-  rows_left_ = 0;
+std::uint64_t InputLogReader::continue_at(std::uint64_t cycle) {
+  begin_again();
   std::size_t found = first_;
-  for (Chunk chunk;;) {
-    if (!next_chunk(chunk)) break;
+  std::uint64_t found_cycle = 0;
+  for (Chunk chunk; next_chunk(chunk);) {
     if (chunk.kind != InputLogKind::state) continue;
-    if (LogBytes(chunk.payload).number<std::uint64_t>() > cycle) break;
+    const auto of_state = LogBytes(chunk.payload).number<std::uint64_t>();
+    if (of_state > cycle) break;
+    found_cycle = of_state;
     found = at_ - (chunk_head_bytes + chunk.payload.size() + crc_bytes);
   }
   damaged_ = 0;
   at_ = found;
+  return found_cycle;
+}
+
+void InputLogReader::begin_again() noexcept {
+  at_ = first_;
+  rows_left_ = 0;
+  damaged_ = 0;
 }
 
 LoadResult parse_scene_of(const InputLogHead& head, const FaultChecks& checks) {

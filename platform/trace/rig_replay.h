@@ -39,6 +39,8 @@ class ReplayedLink final : public RigLink {
 
   End end() const noexcept { return end_; }
   std::uint32_t sent() const noexcept { return sent_.value(); }
+  /// Continues as if the recorded frames with this hash had been sent.
+  void take_sent(std::uint32_t hash) noexcept { sent_ = FrameHash(hash); }
 
   std::span<CanBus* const> buses() noexcept override { return ports_; }
   Nanoseconds begin_cycle(double motion_time) noexcept override;
@@ -93,8 +95,8 @@ class RigReplay {
   /// Adds the next events of the log. first: number of the first one.
   void add(std::uint64_t first, std::span<const LinkEvent> events);
   /// Repeats the calls up to the command of this row. Returns the first difference, with both values; empty
-  /// if there is none, or if inputs are missing.
-  std::string step(const CycleRecord& row);
+  /// if there is none, or if inputs are missing. compares: false if only another order of the calls is one.
+  std::string step(const CycleRecord& row, bool compares = true);
   /// Repeats the calls after the last row. Returns as step() does.
   std::string end();
   /// True if the log has events of a rig.
@@ -107,7 +109,7 @@ class RigReplay {
   std::optional<std::uint64_t> first_missing() const noexcept { return first_missing_; }
 
  private:
-  std::string repeat(const LinkEvent& call, const CycleRecord* row);
+  std::string repeat(const LinkEvent& call, const CycleRecord* row, bool compares);
   std::string compare(const LinkEvent& call) const;
   std::string compare(const CycleRecord& row) const;
   void command(const LinkEvent& call, const CycleRecord& row);

@@ -15,7 +15,7 @@ void read(std::string_view file) {
   InputLogReader reader(file);
   if (!reader.why_not().empty()) return;
   for (const std::uint64_t from : {std::uint64_t{0}, std::uint64_t{3}}) {
-    reader.continue_at(from);
+    static_cast<void>(reader.continue_at(from));
     for (InputLogReader::Item item{};
          item != InputLogReader::Item::end && item != InputLogReader::Item::cut;) {
       item = reader.next();

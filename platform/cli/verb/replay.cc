@@ -90,10 +90,11 @@ class Replay {
 
   ExitCode run() {
     start();
-    if (options_.from && compares_)
-      reader_.continue_at(static_cast<std::uint64_t>(*options_.from / scene_.step));
-    else if (compares_ && RigReplay::why_not(scene_, reader_.head().device_start).empty())
+    if (compares_ && RigReplay::why_not(scene_, reader_.head().device_start).empty())
       rig_.emplace(scene_, reader_.head().device_start);
+    if (compares_ && options_.from)
+      begin_ = reader_.continue_at(static_cast<std::uint64_t>(*options_.from / scene_.step));
+    if (rig_) reader_.begin_again();  // its state depends on all frames before
     for (bool more = !has_ended_; more;) {
       switch (reader_.next()) {
         case InputLogReader::Item::row: more = take_row(); break;
@@ -116,9 +117,9 @@ class Replay {
     std::fprintf(stderr, "note: %s %s\n", options_.file.c_str(), text.c_str());
   }
 
+  bool is_before(double t) const { return t < options_.from.value_or(-1) - 0.5 * scene_.step; }
   bool is_shown(double t) const {
-    const double near = 0.5 * scene_.step;
-    return t > options_.from.value_or(-1) - near && t < options_.to.value_or(1e12) + near;
+    return !is_before(t) && t < options_.to.value_or(1e12) + 0.5 * scene_.step;
   }
 
   /// Compares the start, and begins the trace with it.
@@ -139,7 +140,7 @@ class Replay {
   }
 
   bool step_engine(const CycleRecord& row) {
-    if (row.cycle <= now_) return true;
+    if (row.cycle <= std::max(now_, begin_)) return true;
     if (has_state_ && row.cycle != now_ + 1) has_state_ = false;
     if (!has_state_) return compares_ || stop_at_gap();
     now_ = row.cycle;
@@ -159,7 +160,8 @@ class Replay {
   /// Continues with a recorded state unless the engine has it. Returns false if it cannot.
   bool take_state() {
     const EngineState& state = reader_.state();
-    if (!compares_ || state.cycle < now_ || (has_state_ && state.cycle == now_)) return true;
+    if (!compares_ || state.cycle < std::max(now_, begin_) || (has_state_ && state.cycle == now_))
+      return true;
     const InputLogHead& head = reader_.head();
     if (!is_of_this_build(head) || head.composition != engine_->composition().name ||
         !engine_->restore(state.bytes) || engine_->state_hash() != state.hash) {
@@ -175,10 +177,10 @@ class Replay {
     return true;
   }
 
-  /// Repeats the rig's part of a cycle. Returns false at a difference.
+  /// Repeats the rig's part of a cycle. Returns false at a difference, from the first shown cycle on.
   bool step_rig(const CycleRecord& row) {
     if (!rig_ || !rig_->has_events()) return true;
-    const std::string found = rig_->step(row);
+    const std::string found = rig_->step(row, !is_before(row.t));
     if (!found.empty()) show_difference(row.cycle, row.t, found);
     return found.empty();
   }
@@ -296,6 +298,7 @@ class Replay {
   std::vector<std::uint64_t> words_;
   CycleRecord record_;
   std::uint64_t now_ = 0, last_ = 0;  // cycle of the engine, and of the latest row
+  std::uint64_t begin_ = 0;           // cycle of the state with which the engine begins
   std::uint64_t num_cycles_ = 0;
   double first_t_ = 0, last_t_ = 0;
   bool has_state_ = true;  // true if the engine has the state after cycle now_
@@ -403,8 +406,10 @@ void add_replay(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
                    "use this scene with the recorded inputs, without comparing; its bodies and its device "
                    "must be those of the recording")
       ->type_name("SCENE");
-  verb->add_option("--from", options->from,
-                   "begin at this time, s, computed from the last recorded state before it")
+  verb->add_option(
+          "--from", options->from,
+          "begin at this time, s: the core is repeated from the last recorded state before it, the rig "
+          "from its start")
       ->check(number_in(0, 1e9));
   verb->add_option("--to", options->to, "end after this time, s")->check(number_in(0, 1e9));
   verb->add_option("--trace", options->files.trace, "write a trace as run does")->type_name("FILE");

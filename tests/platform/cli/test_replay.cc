@@ -169,6 +169,11 @@ TEST_F(ReplayTest, TheFirstDifferenceIsNamed) {
   });
   result = replay("", "edited.godo");
   EXPECT_THAT(result.output, HasSubstr("first difference in cycle 77, t = 0.077 s: tool.feedback.fz is "));
+  rewrite([](CycleRecord& row) {
+    if (row.cycle == 77) row.bodies[0].X_WB.p.z() += 1;  // no input of the rig
+    return true;
+  });
+  EXPECT_EQ(replay("", "edited.godo").exit_code, 1);
   result = replay("--from 1.1", "edited.godo");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   rewrite([](CycleRecord& row) {
@@ -232,6 +237,44 @@ TEST_F(ReplayTest, TheFirstDifferenceOfTheRigIsNamed) {
   EXPECT_THAT(found(), HasSubstr("the state of the rig is hold in the recording, armed in the replay"));
   edit_from_500([&](LinkEvent& event) { return !(is_edited = event.kind == LinkEvent::Kind::waited); });
   EXPECT_THAT(found(), HasSubstr("first difference in cycle 501, t = 0.501 s: the order of the rig's calls"));
+}
+
+/// The rig is repeated from its start, and compared from the given time on.
+TEST_F(ReplayTest, TheRigIsComparedFromATimeOn) {
+  record("sim/scenes/rigid.toml", "--duration 1.5");
+  ProgramResult result = replay("--from 1.2 --trace " + path("part.csv"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("replayed 301 cycles, t = 1.2 to 1.5 s, identical, also the rig\n"));
+  EXPECT_THAT(read_file(path("part.csv")), HasSubstr("\n1.2,"));
+  EXPECT_THAT(read_file(path("part.csv")), Not(HasSubstr("\n1.199,")));
+  rewrite([](CycleRecord& row) {
+    if (row.cycle == 321 || row.cycle == 1300) row.drive_torque[1] += 1e-12;
+    return true;
+  });
+  EXPECT_THAT(replay("--from 1.2", "edited.godo").output,
+              ContainsRegex("first difference in cycle 1300, t = 1.3 s: drive\\..*\\.torque is "));
+  EXPECT_THAT(replay("--from 0.9 --to 1.25", "edited.godo").output,
+              HasSubstr("replayed 351 cycles, t = 0.9 to 1.25 s, identical, also the rig\n"));
+  const auto keep = [](CycleRecord&) { return true; };
+  // A wrench before that time has later effects on the drives.
+  rewrite([](CycleRecord& row) {
+    if (row.cycle == 990) row.bodies[0].feedback_D.f.z() += 1;
+    return true;
+  });
+  EXPECT_THAT(replay("--from 1.2", "edited.godo").output,
+              HasSubstr("first difference in cycle 1200, t = 1.2 s: the frames that the rig sends differ"));
+  // Without one of its inputs the rig cannot be repeated.
+  bool is_missing = false;
+  std::uint64_t cycle = 0;
+  rewrite(keep, "", [&](LinkEvent& event) {
+    cycle = std::max<std::uint64_t>(cycle, event.cycle);
+    if (is_missing || cycle != 500 || event.kind != LinkEvent::Kind::waited) return true;
+    is_missing = true;
+    return false;
+  });
+  ASSERT_TRUE(is_missing);
+  EXPECT_THAT(replay("--from 1.2", "edited.godo").output,
+              HasSubstr("first difference in cycle 501, t = 0.501 s: the order of the rig's calls"));
 }
 
 TEST_F(ReplayTest, MissingInputsOfTheRigAreNamed) {
