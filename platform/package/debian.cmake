@@ -50,7 +50,7 @@ spring, in real time. The program runs scenes on CAN buses, serial trackers
 or simulated devices, checks them, and evaluates their recordings. Profiles
 of drives, example scenes, a systemd unit, udev rules and limits of a
 real-time group belong to it."
-  DEPENDS adduser SUGGESTS "godobject-doc, can-utils, libhdf5-103-1")
+  DEPENDS adduser SUGGESTS "godobject-doc, can-utils, gnuplot-nox, libhdf5-103-1")
 # godobject::program links what the program links.
 set(of_program "")
 if(TINYXML2_LIBRARY)

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -144,24 +145,42 @@ inline double integral(const Eigen::VectorXd& x, double dt) {
   return dt * (x.sum() - 0.5 * (x(0) + x(x.size() - 1)));
 }
 
-/// Returns the metrics of a motion. None if it is shorter than the window or has fewer samples a second than
+/// A motion at equal intervals dt, s, and its smoothed speed, m/s. x: see at_equal_intervals().
+struct SmoothedMotion {
+  double dt = 0;
+  Smoothing smoothing;
+  Eigen::MatrixXd x, x_dot;
+  Eigen::VectorXd speed;
+};
+
+/// Smooths a motion. None if it is shorter than the window or has fewer samples a second than
 /// least_sample_rate. None too if its gaps are longer in all than ten times the rest.
-/// idle_below: speed, m/s.
-inline std::optional<MotionMetrics> motion_metrics(const MotionSamples& samples, double idle_below) {
+inline std::optional<SmoothedMotion> smoothed(const MotionSamples& samples) {
   if (samples.t.size() < 2) return std::nullopt;
   constexpr double rounding = 1e-6;
   const double usual = usual_interval(samples.t);
   if (!(usual > 0) || usual * least_sample_rate > 1 + rounding) return std::nullopt;
-  if (samples.t.back() - samples.t.front() > 10 * usual * static_cast<double>(samples.t.size()))
-    return std::nullopt;
-  const Eigen::MatrixXd x = at_equal_intervals(samples, usual);
-  MotionMetrics m{.time = samples.t.back() - samples.t.front()};
-  const double dt = m.time / static_cast<double>(x.rows() - 1);
+  const double time = samples.t.back() - samples.t.front();
+  if (time > 10 * usual * static_cast<double>(samples.t.size())) return std::nullopt;
+  Eigen::MatrixXd x = at_equal_intervals(samples, usual);
+  const double dt = time / static_cast<double>(x.rows() - 1);
   const Smoothing smoothing(dt);
   if (static_cast<std::size_t>(x.rows()) < smoothing.min_samples()) return std::nullopt;
+  Eigen::MatrixXd x_dot = smoothing.derivative(x, 1);
+  Eigen::VectorXd speed = x_dot.leftCols<3>().rowwise().norm();
+  return SmoothedMotion{.dt = dt,
+                        .smoothing = smoothing,
+                        .x = std::move(x),
+                        .x_dot = std::move(x_dot),
+                        .speed = std::move(speed)};
+}
 
-  const Eigen::MatrixXd x_dot = smoothing.derivative(x, 1);
-  const Eigen::VectorXd speed = x_dot.leftCols<3>().rowwise().norm();
+/// Returns the metrics of a motion; none if it cannot be smoothed. idle_below: speed, m/s.
+inline std::optional<MotionMetrics> motion_metrics(const MotionSamples& samples, double idle_below) {
+  const std::optional<SmoothedMotion> motion = smoothed(samples);
+  if (!motion) return std::nullopt;
+  const auto& [dt, smoothing, x, x_dot, speed] = *motion;
+  MotionMetrics m{.time = samples.t.back() - samples.t.front()};
   m.path = integral(speed, dt);
   m.mean_speed = m.path / m.time;
   m.peak_speed = speed.maxCoeff();

@@ -10,6 +10,8 @@
 
 #include "platform/cli/command_line.h"
 #include "platform/cli/program.h"
+#include "platform/cli/report/gnuplot.h"
+#include "platform/cli/report/motion_plot.h"
 #include "platform/scene/toml.h"
 #include "platform/trace/metrics.h"
 #include "platform/view/recorded/recording.h"
@@ -36,7 +38,8 @@ constexpr const char* metric_definitions =
     "and Golay, Analytical Chemistry 36, 1964), which passes half of the power at 5.6 Hz; forces are not.";
 
 struct MetricsOptions {
-  std::string file, json;      // trace or log; file to write, empty: none
+  std::string file;            // trace or log
+  std::string json, picture;   // files to write; empty: none
   std::string scene;           // of a log
   std::optional<double> from;  // s
   std::optional<double> to;    // s
@@ -91,6 +94,7 @@ class TraceSamples {
       if (!add_to(subject)) return "a number of " + subject.name + " is not finite, or its quaternion is 0";
     if (!held_) return "";
     const double held = numbers_[*held_];
+    is_held.push_back(held >= 0);
     if (held >= 0 && held != held_before_) ++*grabs;
     held_before_ = held;
     return "";
@@ -99,6 +103,7 @@ class TraceSamples {
   std::vector<double> times;
   std::vector<Subject> subjects;
   std::optional<std::size_t> grabs{};  // absent: the device does not grip
+  std::vector<bool> is_held{};         // of each row, if the device grips
 
  private:
   std::optional<std::size_t> find(const std::string& name) const {
@@ -257,7 +262,35 @@ std::vector<std::string> read(const MetricsOptions& options, TraceSamples& trace
   return result.errors;
 }
 
+/// Draws the picture. Returns the error; empty on success.
+std::string draw(const TraceSamples& trace, const MetricsOptions& options) {
+  std::vector<PlottedMotion> motions;
+  for (const Subject& s : trace.subjects) {
+    const std::vector<double>& t = s.motion.t;
+    const SmoothedMotion motion = *smoothed(s.motion);
+    std::vector<double> times;
+    std::vector<bool> is_idle, is_released = s.is_engaged;
+    is_released.flip();
+    for (Eigen::Index i = 0; i < motion.speed.size(); ++i) {
+      times.push_back(t.front() + static_cast<double>(i) * motion.dt);
+      is_idle.push_back(motion.speed(i) < options.idle_below);
+    }
+    motions.push_back({.name = s.name,
+                       .motion = s.motion,
+                       .displayed_N = s.force_N,
+                       .contact_N = s.contact_N,
+                       .held = trace.grabs ? spans_of(t, trace.is_held) : std::vector<TimeSpan>{},
+                       .released = s.engaged ? spans_of(t, is_released) : std::vector<TimeSpan>{},
+                       .idle = spans_of(times, is_idle)});
+  }
+  return draw_motions(options.picture, motions);
+}
+
 ExitCode show(const MetricsOptions& options) {
+  if (!options.picture.empty() && !is_plot(options.picture)) {
+    std::fprintf(stderr, "--picture: '%s' must end in .svg or .png\n", options.picture.c_str());
+    return ExitCode::usage;
+  }
   TraceSamples trace(options);
   const std::vector<std::string> errors = read(options, trace);
   for (const std::string& error : errors) std::fprintf(stderr, "%s\n", error.c_str());
@@ -281,9 +314,12 @@ ExitCode show(const MetricsOptions& options) {
     return ExitCode::usage;
   }
   std::fputs(table_of(json).c_str(), stdout);
-  if (options.json.empty()) return ExitCode::ok;
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  return write_file("--json", options.json, text) ? ExitCode::ok : ExitCode::fault;
+  if (!options.json.empty() && !write_file("--json", options.json, text)) return ExitCode::fault;
+  if (options.picture.empty()) return ExitCode::ok;
+  const std::string error = draw(trace, options);
+  if (!error.empty()) std::fprintf(stderr, "--picture: %s\n", error.c_str());
+  return error.empty() ? ExitCode::ok : ExitCode::not_available;
 }
 
 }  // namespace
@@ -298,6 +334,9 @@ void add_metrics(CLI::App& app, const FaultChecks& checks, ExitCode& code) {
       ->required();
   verb->add_option("--scene", options->scene, "replay FILE, of run --record, in this scene file (TOML)");
   verb->add_option("--json", options->json, "write a JSON of the metrics")->type_name("FILE");
+  verb->add_option("--picture", options->picture,
+                   "draw speed, force and path to this file, .svg or .png, with gnuplot")
+      ->type_name("FILE");
   verb->add_option("--from", options->from, "omit rows before this time, s")->check(number_in(-1e9, 1e9));
   verb->add_option("--to", options->to, "omit rows after this time, s")->check(number_in(-1e9, 1e9));
   verb->add_option("--idle-below", options->idle_below, "count speeds below this one as idle, m/s")

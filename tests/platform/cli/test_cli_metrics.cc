@@ -1,7 +1,9 @@
 // godobject metrics on traces whose values are known, and on one of a run.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <sstream>
 
@@ -105,6 +107,45 @@ TEST_F(CliMetrics, AGrippingDeviceHasItsOwnPathForceAndGrabs) {
   EXPECT_NEAR(json["subjects"][0]["path_m"], 0.1, 1e-5);
   EXPECT_EQ(json["subjects"][0]["displayed_force"]["peak_N"], 1);
   EXPECT_EQ(json["subjects"][0]["clutch"]["engagements"], 1);
+}
+
+TEST_F(CliMetrics, ThePictureShowsWhenItGripsReleasesAndRests) {
+  const std::string file = trace(
+      "a.x,a.y,a.z,a.qw,a.qx,a.qy,a.qz,a.vx,held,hand.fx,hand.fy,hand.fz,grip.engaged,grip.device.x,"
+      "grip.device.y,grip.device.z,grip.device.qw,grip.device.qx,grip.device.qy,grip.device.qz",
+      [](double t) {
+        const char *const held = t > 0.5 && t < 1 ? "0" : "-1", *const engaged =
+                                                                    t > 0.2 && t < 0.3 ? "0" : "1";
+        return std::string(pose) + ",0," + held + ",0,0,1," + engaged + ",0,0," +
+               std::to_string(0.05 * std::min(t, 1.2)) + ",1,0,0,0";
+      });
+  const std::string picture = path("m.svg");
+  const ProgramResult missing = run_program("metrics " + file + " --picture " + picture, "PATH=/none ");
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_THAT(missing.output, HasSubstr("gnuplot draws it and is not installed: install it"));
+  EXPECT_THAT(missing.output, HasSubstr("path, m"));
+  EXPECT_TRUE(read_file(picture).empty());
+  const ProgramResult other = run_program("metrics " + file + " --picture " + path("m.pdf"));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.output, HasSubstr("must end in .svg or .png"));
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+
+  const ProgramResult result = run_program("metrics " + file + " --picture " + picture);
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const std::string svg = read_file(picture);
+  for (const char* text :
+       {"grip.device", "speed, mm/s", "force, N", "path from above", "idle", "released", "held"})
+    EXPECT_THAT(svg, HasSubstr(text));
+  // Each colour is in the key, and in both panels once.
+  for (const char* colour : {"rgb(232, 232, 232)", "rgb(255, 224, 176)", "rgb(207, 232, 207)"}) {
+    int polygons = 0;
+    const std::string polygon = std::string("<polygon fill = '") + colour;
+    for (std::size_t at = svg.find(polygon); at != std::string::npos; at = svg.find(polygon, at + 1))
+      ++polygons;
+    EXPECT_EQ(polygons, 3) << colour;
+  }
+  ASSERT_EQ(run_program("metrics " + line() + " --picture " + path("m.png")).exit_code, 0);
+  EXPECT_EQ(read_file(path("m.png")).substr(1, 3), "PNG");
 }
 
 TEST_F(CliMetrics, ATraceOfARunHasItsBodies) {
