@@ -72,8 +72,8 @@ void Rig::check_samples(Nanoseconds now) noexcept {
 
 // True if a sample is missing for too long. Until then the pose is held and the force fades. Returns true at
 // once if the turn would become ambiguous. If a delay exceeds the measured range, the sample counts as
-// missing from the first mark on. Between homing and the power of the drives an incremental sensor is lost
-// after stale_after, because nothing else shows the restart of a drive there.
+// missing from the first mark on. Between homing and the power of the drives, an incremental sensor is lost
+// after stale_after. Nothing else shows the restart of a drive there.
 bool Rig::lost(const Encoder& encoder, const AnswerDelay& delay, Nanoseconds t_good,
                Nanoseconds now) const noexcept {
   const Nanoseconds since = delay.beyond_reach() ? std::min(t_good, delay.t_beyond_ns()) : t_good;
