@@ -64,7 +64,7 @@ def main():
         return 77
     sys.path.insert(0, str(source / "platform/python"))
     from godobject import hil  # noqa: PLC0415, of the source tree
-    image = cortex_m7.build(source, work, "double", "cortex-m7.cmake", "bus-follower") / "bus-follower.elf"
+    image = cortex_m7.build(source, work, "double", "cortex-m7.cmake", ["bus-follower"]) / "bus-follower.elf"
     with (hil.Rig(source / "docs/examples/microcontroller/bus-follower.toml", program=program) as rig,
           tempfile.TemporaryFile("w+") as output):
         uart = ["-chardev", f"serial,id=uart,path={rig.terminal()}", "-serial", "chardev:uart"]

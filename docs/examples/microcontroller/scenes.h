@@ -90,7 +90,7 @@ inline Target motion(const Params<Press>&, std::size_t, Real t) {
   const Signal rock = sine(t, 0.15, 1, 0);
   return {.X_WD = {.p = {0, 0, Real(0.03) - Real(0.04) * s * s * (3 - 2 * s)},
                    .q = turn(Vec3::UnitY(), rock.value)},
-          .V_WD = {.w = {0, rock.rate, 0}, .v = {0, 0, s < 1 ? -0.48 * s * (1 - s) : 0}}};
+          .V_WD = {.w = {0, rock.rate, 0}, .v = {0, 0, s < 1 ? Real(-0.48) * s * (1 - s) : 0}}};
 }
 
 inline RigidBodyParams body(Real m, Real I_x, Real I_y, Real I_z) {
@@ -117,7 +117,9 @@ inline void set_parts(Params<Grasper>& par) {
   left.joint.parent = 1;
   left.joint.P.p = Vec3(0, 0, 0.15);
   left.joint.C.p = Vec3(0, 0, -0.01);
-  left.joint.P.R = left.joint.C.R = turn(Vec3::UnitY(), pi / 2).toRotationMatrix();
+  // exact, because frames must be orthonormal within 1e-9, which rounding to float exceeds
+  left.joint.P.R << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  left.joint.C.R = left.joint.P.R;
   right = left;
 }
 inline void set_parts(Params<Press>& par) {
