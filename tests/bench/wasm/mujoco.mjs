@@ -1,6 +1,7 @@
 // MuJoCo: official WASM build, double precision.
 import { add, conjugate, cross, dot, rotate, scale, sub } from './math.mjs';
 import { modelOf } from './mujoco_model.mjs';
+import { MujocoBag } from './mujoco_bag.mjs';
 import { MujocoNet } from './mujoco_net.mjs';
 import { sample } from './scene.mjs';
 
@@ -115,5 +116,6 @@ export async function variants({ default: load }) {
     can: (scene) => variant.many || scene.bodies.length < manyBodies,
     make: (scene, h) => new Run(mj, scene, h, variant),
     makeNet: variant.many && ((net) => new MujocoNet(mj, net, variant.integrator)),
+    makeBag: variant.many && ((bag) => new MujocoBag(mj, bag, variant.integrator)),
   }));
 }

@@ -3,6 +3,7 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { parseArgs } from 'node:util';
+import { bagOf } from './bag.mjs';
 import { contactOf } from './contact.mjs';
 import { errorsOf } from './error.mjs';
 import * as jolt from './jolt.mjs';
@@ -42,7 +43,7 @@ async function main() {
   const plan = JSON.parse(readFileSync(planFile, 'utf8'));
   const sceneOf = (file) => load(join(dirname(planFile), file));
   const { all, versions } = await variantsOf(packages);
-  const rows = { versions, errors: [], contacts: [], piles: [], nets: [], stability: [] };
+  const rows = { versions, errors: [], contacts: [], piles: [], nets: [], bags: [], stability: [] };
 
   for (const scene of plan.errors.map(sceneOf)) {
     for (const variant of all.filter((v) => v.can(scene)))
@@ -65,6 +66,9 @@ async function main() {
   for (const net of plan.nets)
     for (const variant of all.filter((v) => v.makeNet))
       rows.nets.push({ engine: variant.name, ...stretchOf(variant, net) });
+  for (const bag of plan.bags)
+    for (const variant of all.filter((v) => v.makeBag))
+      rows.bags.push({ engine: variant.name, ...bagOf(variant, bag) });
   writeFileSync(out, JSON.stringify(rows, null, 1));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/bench/contact_quality.h"
+#include "tests/study/peer/bag.h"
 #include "tests/study/peer/study.h"
 #include "tests/study/peer/timed.h"
 
@@ -19,7 +20,10 @@ PeerPile own_pile();
 /// Returns the row of a native pile.
 PeerPile pile_row(const std::string& engine, const bench::ContactQuality& quality, const StepClock& clock,
                   bool failed);
-PeerNet own_net();
+Runs<PeerNet> own_nets();
+/// Returns where the nodes rest by complete iterations with hard contacts.
+std::vector<Vec3> bag_at_rest(const Bag& bag);
+Runs<PeerBag> own_bags(const Bag& bag, const std::vector<Vec3>& rest);
 std::vector<PeerStability> own_stability(const std::vector<double>& stiffnesses,
                                          const std::vector<double>& steps, double duration);
 

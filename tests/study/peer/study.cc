@@ -56,6 +56,28 @@ json hanging_net_json() {
           {"h", Net::h},           {"duration", 1.0}};
 }
 
+json list_of(const Vec3& a) { return {a.x(), a.y(), a.z()}; }
+
+/// rest: of bag_at_rest().
+json bag_json(const Bag& bag, const std::vector<Vec3>& rest) {
+  json result{{"h", Bag::h},
+              {"duration", Bag::duration},
+              {"radius", bag.node_radius()},
+              {"bar",
+               {{"radius", Bag::bar_radius},
+                {"half_length", Bag::bar_half},
+                {"start", Bag::bar_start},
+                {"press", Bag::bar_press},
+                {"time", Bag::press_time}}}};
+  result["nodes"] = result["springs"] = result["rest"] = json::array();
+  for (const NetNode& n : bag.net.nodes)
+    result["nodes"].push_back({{"m", n.m}, {"p", list_of(n.p_B)}, {"k", n.k}, {"g", n.g}});
+  for (const NetSpring& s : bag.net.springs)
+    result["springs"].push_back({{"i", s.i}, {"j", s.j}, {"k", s.k}, {"g", s.g}, {"l", s.l_0}});
+  for (const Vec3& p : rest) result["rest"].push_back(list_of(p));
+  return result;
+}
+
 constexpr int rounds = 2;  // of whole runs, the faster of which counts
 
 template <class T>
@@ -100,12 +122,13 @@ std::vector<PeerError> finer_errors(const std::vector<ReferenceScene>& scenes, c
   return rows;
 }
 
-/// Writes the scene files and plan.json, which lists them.
-void write_plan(const fs::path& out, const PeerPlan& plan, bool quick) {
+/// Writes the scene files and plan.json, which lists them. bags: of bag_json().
+void write_plan(const fs::path& out, const PeerPlan& plan, bool quick, const json& bags) {
   json content{
       {"steps", error_steps(quick)},
       {"stiffened",
-       {{"stiffnesses", plan.stiffened}, {"steps", plan.steps}, {"duration", plan.stiffened_duration}}}};
+       {{"stiffnesses", plan.stiffened}, {"steps", plan.steps}, {"duration", plan.stiffened_duration}}},
+      {"bags", bags}};
   content["errors"] = content["contacts"] = content["piles"] = content["nets"] = json::array();
   for (const ReferenceScene& scene : plan.scenes) {
     write_scene(out / file_name(scene.name), scene, reference_of(scene));
@@ -146,6 +169,9 @@ void add_rows_of(const json& all, PeerResults& results) {
                              number_of(r, "usPerStep"), number_of(r, "p99")});
   for (const json& r : all.at("nets"))
     results.nets.push_back({r.at("engine"), number_of(r, "stretch"), number_of(r, "usPerStep")});
+  for (const json& r : all.at("bags"))
+    results.bags.push_back(
+        {r.at("engine"), number_of(r, "error"), number_of(r, "depth"), number_of(r, "usPerStep")});
   for (const json& r : all.at("stability"))
     results.stability.push_back({r.at("engine"), r.at("k"), r.at("h"), number_of(r, "distance")});
   results.versions = all.at("versions");
@@ -186,18 +212,24 @@ PeerResults study_peers(const PeerFolders& folders, bool quick, const Progress& 
   append(results.errors, native_errors(plan.scenes, error_steps(quick), progress));
   results.machine = machine_line();
   add_native_times(plan.scenes, quick, progress, results.errors);
+  json bags = json::array();
   progress("peers: S2");
   results.contacts = interleaved(joined(own_contacts(plan.pressed), native_contacts(plan.pressed)), rounds);
   if (!quick) {
     progress("peers: S4");
     results.piles = interleaved(joined({own_pile}, native_piles()), rounds);
     progress("peers: S6");
-    results.nets = interleaved(joined({own_net}, native_nets()), rounds);
+    results.nets = interleaved(joined(own_nets(), native_nets()), rounds);
+    progress("peers: bag");
+    const Bag bag = endobag();
+    const std::vector<Vec3> rest = bag_at_rest(bag);
+    results.bags = interleaved(own_bags(bag, rest), rounds);
+    bags.push_back(bag_json(bag, rest));
   }
   progress("peers: S1 stiffened");
   results.stability = own_stability(plan.stiffened, plan.steps, plan.stiffened_duration);
   append(results.stability, native_stability(plan.stiffened, plan.steps, plan.stiffened_duration));
-  write_plan(folders.out, plan, quick);
+  write_plan(folders.out, plan, quick, bags);
   progress("peers: node");
   results.why_not = run_peers(folders, results);
   return results;
@@ -243,6 +275,8 @@ void write_csv(const fs::path& out, const PeerResults& results) {
     piles.row(r.engine, r.overlap, r.median, r.us_per_step, r.p99_us, r.native_us, r.native_p99_us);
   CsvWriter nets(out / "peers-net.csv", "engine,stretch_error,wasm_us_per_step,native_us_per_step");
   for (const PeerNet& r : results.nets) nets.row(r.engine, r.stretch, r.us_per_step, r.native_us);
+  CsvWriter bags(out / "peers-bag.csv", "engine,error_m,depth_m,wasm_us_per_step,native_us_per_step");
+  for (const PeerBag& r : results.bags) bags.row(r.engine, r.error, r.depth, r.us_per_step, r.native_us);
   CsvWriter stability(out / "peers-stability.csv", "engine,stiffness_N_per_m,step_s,distance_m");
   for (const PeerStability& r : results.stability) stability.row(r.engine, r.k, r.h, r.distance);
   write_work_csv(out / "peers-work.csv", results);

@@ -51,6 +51,15 @@ struct PeerNet {
   std::optional<double> native_us = {};
 };
 
+/// The bag of endobag.toml with a bar pressed into it, at rest after 2 s at 1 ms.
+struct PeerBag {
+  std::string engine;
+  double error = 0;  // m: of the farthest node from bag_at_rest(); infinite if the engine failed
+  double depth = 0;  // m: of the deepest node in the bar
+  std::optional<double> us_per_step;
+  std::optional<double> native_us = {};
+};
+
 /// S1 with its springs stiffened at equal damping ratio, 2 s.
 struct PeerStability {
   std::string engine;
@@ -64,6 +73,7 @@ struct PeerResults {
   std::vector<PeerContact> contacts;
   std::vector<PeerPile> piles;
   std::vector<PeerNet> nets;
+  std::vector<PeerBag> bags;
   std::vector<PeerStability> stability;
   std::string versions;  // of the packages
   std::string why_not;   // reason that no peer ran in node; empty if they ran
@@ -94,8 +104,8 @@ const PeerError* find_row(const std::vector<PeerError>& rows, const std::string&
 std::vector<std::string> engines_of(const PeerResults& results);
 std::vector<std::string> scenes_of(const PeerResults& results);
 
-/// Writes peers-error.csv, peers-contact.csv, peers-pile.csv, peers-net.csv, peers-stability.csv and
-/// peers-work.csv.
+/// Writes peers-error.csv, peers-contact.csv, peers-pile.csv, peers-net.csv, peers-bag.csv,
+/// peers-stability.csv and peers-work.csv.
 void write_csv(const std::filesystem::path& out, const PeerResults& results);
 
 void write_peer_script(const std::filesystem::path& out, const PeerResults& results);

@@ -9,6 +9,7 @@
 
 #include "tests/bench/contact_quality.h"
 #include "tests/study/figure.h"
+#include "tests/study/peer/own.h"
 #include "tests/study/peer/scene_file.h"
 #include "tests/study/peer/section.h"
 #include "tests/study/peer/study.h"
@@ -125,6 +126,40 @@ TEST(PileMeasure, IsThatOfTheBenchmarks) {
     ASSERT_TRUE(run.ok()) << run.output;
     EXPECT_NEAR(std::stod(run.output), bench::box_overlap(half, a, b), 1e-12) << x;
   }
+}
+
+TEST(BagMeasure, IsThatOfTheCore) {
+  if (!tool_exists("node")) GTEST_SKIP() << "node is not installed";
+  const Bag bag = endobag();
+  const std::string module = (peer_program().parent_path() / "bag.mjs").string();
+  std::ostringstream json_of_bar;
+  json_of_bar << "{radius:" << bag.node_radius() << ",bar:{radius:" << Bag::bar_radius
+              << ",half_length:" << Bag::bar_half << ",start:" << Bag::bar_start
+              << ",press:" << Bag::bar_press << ",time:" << Bag::press_time << "}}";
+  const Vec3 node(0.012, 0.03, 0.004);
+  const ToolResult run =
+      run_tool({"node", "--input-type=module", "-e",
+                "import { barAt, depthOf } from '" + module + "'; const bag = " + json_of_bar.str() +
+                    "; console.log(barAt(bag, 0.3)[0], depthOf(bag, barAt(bag, 2), " + text_of(node) + "))"});
+  ASSERT_TRUE(run.ok()) << run.output;
+  double at = 0, depth = 0;
+  std::istringstream(run.output) >> at >> depth;
+  EXPECT_NEAR(at, Bag::bar_at(0.3)[0], 1e-12);
+  EXPECT_NEAR(depth, bag.depth(node), 1e-12);
+}
+
+/// The rest is that of an undented bag here, so the error is its dent.
+TEST(Bag, IsDentedByTheBarAndKeepsItOut) {
+  const Bag bag = endobag();
+  EXPECT_EQ(bag.net.nodes.size(), 950u);
+  std::vector<Vec3> undented;
+  for (const NetNode& node : bag.net.nodes) undented.push_back(node.p_B);
+  const PeerBag row = own_bags(bag, undented).front()();
+  EXPECT_EQ(row.engine, "implicit-euler");
+  EXPECT_GT(row.error, 0.5 * Bag::bar_press);
+  EXPECT_LT(row.error, 2 * Bag::bar_press);
+  EXPECT_GT(row.depth, 1e-5);
+  EXPECT_LT(row.depth, 1e-3);
 }
 
 /// MuJoCo's `discrete` is implicit Euler on S1, as ours is.

@@ -61,7 +61,7 @@ def times_text(ratio):
 def winners(line):
     """Returns 'engine (scenes)' for each engine in a line of the section about other engines."""
     scenes = {}
-    for scene, engine in re.findall(r"(S\d)[^;(]*\(([A-Za-z]+ ?[\d.]*)", line):
+    for scene, engine in re.findall(r"(S\d|bag)[^;(]*\(([A-Za-z]+ ?[\d.]*)", line):
         scenes.setdefault(engine.strip(), set()).add(scene)
     return joined([f"{engine} ({', '.join(sorted(on))})" for engine, on in scenes.items()])
 
