@@ -7,21 +7,6 @@
 
 namespace godobject {
 
-namespace {
-
-constexpr bool is_emergency(std::uint32_t cob_id) noexcept {
-  return cob_id > canopen::emcy_cob_id(0) && cob_id <= canopen::emcy_cob_id(canopen::max_node_id);
-}
-constexpr bool is_tpdo(std::uint32_t cob_id, int number) noexcept {
-  return cob_id > canopen::tpdo_cob_id(number, 0) &&
-         cob_id <= canopen::tpdo_cob_id(number, canopen::max_node_id);
-}
-constexpr bool is_heartbeat(std::uint32_t cob_id) noexcept {
-  return cob_id > canopen::heartbeat_cob_id(0) && cob_id <= canopen::heartbeat_cob_id(canopen::max_node_id);
-}
-
-}  // namespace
-
 void Rig::receive(Nanoseconds now) noexcept {
   now_ns_ = now;
   ReceivedFrame received;
@@ -46,21 +31,18 @@ void Rig::decode(std::size_t bus, const ReceivedFrame& received, Nanoseconds now
     return;
   }
   RigNode& node = nodes_[node_plus_1 - 1];
-  const bool is_pdo = is_tpdo(frame.id, 1) || (node.kind == NodeKind::drive && is_tpdo(frame.id, 2));
-  if (!node.canopen || (is_pdo && node.kind == NodeKind::drive)) {
-    on_drive(node, frame, answer, now);
-  } else if (is_pdo && node.kind == NodeKind::button) {
-    on_inputs(node, frame);
-  } else if (is_pdo) {
-    on_position(node, frame, answer);
-  } else if (is_heartbeat(frame.id)) {
-    on_heartbeat(node, frame, now);
-  } else if (is_emergency(frame.id)) {
-    on_emergency(node, frame);
+  if (node.canopen && frame.id == canopen::heartbeat_cob_id(node.id)) return on_heartbeat(node, frame, now);
+  if (node.canopen && frame.id == canopen::emcy_cob_id(node.id)) return on_emergency(node, frame);
+  switch (node.kind) {
+    case NodeKind::encoder: return on_position(node, frame, answer);
+    case NodeKind::drive: return on_drive(node, frame, answer, now);
+    case NodeKind::button: return on_inputs(node, frame);
   }
 }
 
+// Records a frame that was not used, unless it is of another service.
 void Rig::note_malformed(RigNode& node, const CanFrame& frame, ParseResult why) noexcept {
+  if (why == ParseResult::other_message) return;
   ++counters_.malformed;
   ++node.malformed;
   node.last_malformed = {.identifier = frame.id, .size = frame.size, .why = why};
@@ -82,10 +64,8 @@ bool Rig::from_second_host(std::size_t bus, const CanFrame& frame) noexcept {
 // Returns the sampling time of an answer: the end of the SYNC that it answers, given the delay of its node.
 Nanoseconds Rig::sampled_at(const RigNode& node, const AnswerDelay& delay,
                             const SyncAttribution::Answer& answer) const noexcept {
-  const std::uint64_t late = delay.periods();
-  if (late == 0) return answer.t_ns;
-  const std::uint64_t answered = answer.sync > late ? answer.sync - late : 0;
-  return std::min(answer.t_ns, buses_[node.bus].syncs.end_of(answered));
+  const std::uint64_t late = std::min(delay.periods(), answer.sync);
+  return std::min(answer.t_ns, buses_[node.bus].syncs.end_of(answer.sync - late));
 }
 
 void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {
@@ -112,7 +92,6 @@ void Rig::on_drive(RigNode& node, const CanFrame& frame, const SyncAttribution::
   DriveOnBus& drive = drives_[node.device];
   const bool answered = answer.sync <= drive.answered_sync;
   const DriveMessage message = drive.drive.on_frame(frame, sampled_at(node, drive.delay, answer), answered);
-  if (message.result == ParseResult::other_message) return;
   if (message.result != ParseResult::ok) return note_malformed(node, frame, message.result);
   node.answered = node.answered || message.position;
   if (message.position && answered) {

@@ -42,13 +42,13 @@ bool Rig::is_mark_due(std::size_t bus) noexcept {
   const std::uint64_t last_sync = on.syncs.num_syncs();
   if (!on.bus->is_live() || !on.protocol.answers_only) return false;
   bool wanted = false, is_pending = false;
-  std::uint64_t num_inconclusive = 0;
+  std::uint64_t num_inconclusive = 1;  // the first one costs no further distance
   for_each_delay(bus, [&](const AnswerDelay& delay) {
     wanted = wanted || delay.needs_mark(last_sync);
     is_pending = is_pending || delay.is_pending();
     num_inconclusive = std::max(num_inconclusive, delay.num_inconclusive());
   });
-  const std::uint64_t more = num_inconclusive > 1 ? (num_inconclusive - 1) * on.longest_measurement : 0;
+  const std::uint64_t more = (num_inconclusive - 1) * on.longest_measurement;
   const std::uint64_t distance = is_pending ? on.mark_distance : AnswerDelay::min_distance;
   return wanted && (on.last_mark == 0 || last_sync - on.last_mark >= distance + more);
 }

@@ -138,10 +138,7 @@ void Rig::energy_gained() noexcept {
 
 void Rig::stop() noexcept {
   if (state() == RigState::off) return;
-  for (DriveOnBus& drive : drives_) {
-    const DriveCommand command = drive.drive.plan(0, DriveGoal::off, 0);
-    if (!command.out.frame || send(nodes_[drive.node].bus, *command.out.frame)) drive.drive.sent(command, 0);
-  }
+  for (DriveOnBus& drive : drives_) send(drive, drive.drive.plan(0, DriveGoal::off, 0), 0);
   for (const RigNode& node : nodes_) {
     if (!node.canopen) continue;
     send(node.bus, canopen::make_nmt(canopen::NmtCommand::enter_pre_operational, node.id));
@@ -216,8 +213,7 @@ CommandReport Rig::command(std::span<const Wrench> F_hand_W, Nanoseconds now) no
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     DriveOnBus& drive = drives_[i];
     const DriveCommand planned = plan(drive, tau(drive.joint), beside(drive.joint), now);
-    const bool sent = !planned.out.frame || send(nodes_[drive.node].bus, *planned.out.frame);
-    if (sent) drive.drive.sent(planned, now);
+    const bool sent = send(drive, planned, now);
     drive.passivity.sent(drive.drive.commanded_torque_Nm() / drive.motor_per_joint - beside(drive.joint));
     const auto bit = [i](bool on) { return (on ? 1u : 0u) << i; };
     report.torque_limited |= bit(planned.torque_limited);
@@ -251,6 +247,13 @@ DriveFeedback Rig::drive_feedback(std::size_t index, Nanoseconds now) const noex
   return drives_[index].drive.feedback(now);
 }
 
+// Sends the frame of a command, if it has one. Returns false if the bus refused it.
+bool Rig::send(DriveOnBus& drive, const DriveCommand& command, Nanoseconds now) noexcept {
+  if (command.out.frame && !send(nodes_[drive.node].bus, *command.out.frame)) return false;
+  drive.drive.sent(command, now);
+  return true;
+}
+
 bool Rig::send(std::size_t bus, const CanFrame& frame) noexcept {
   Bus& to = buses_[bus];
   if (to.bus->try_send(frame) == SendResult::queued) {
@@ -272,8 +275,8 @@ void Rig::raise(const RigFaultPlace& place, std::uint32_t identifier) noexcept {
 }
 
 const RigNode* Rig::node_at(const RigFaultPlace& place) const noexcept {
-  if (!place.bus || place.node_id == 0) return nullptr;
-  return &nodes_[buses_[*place.bus].node_of_id[place.node_id] - std::size_t{1}];
+  const std::size_t node_plus_1 = place.bus ? buses_[*place.bus].node_of_id[place.node_id] : 0;
+  return node_plus_1 == 0 ? nullptr : &nodes_[node_plus_1 - 1];
 }
 
 NodeEvidence Rig::evidence_of(const RigNode& node) const noexcept {

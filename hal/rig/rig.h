@@ -229,6 +229,7 @@ class Rig {
   Eigen::Index joint_named(const std::string& name) const;
 
   bool send(std::size_t bus, const CanFrame& frame) noexcept;
+  bool send(DriveOnBus& drive, const DriveCommand& command, Nanoseconds now) noexcept;
   void raise(const RigFaultPlace& place, std::uint32_t identifier = 0) noexcept;
   void raise(RigFault fault, const RigNode& node) noexcept {
     raise({.fault = fault, .bus = node.bus, .node_id = node.id});
