@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <limits>
 #include <set>
 #include <type_traits>
@@ -11,7 +10,7 @@
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
 #include "hal/drive/cia402.h"
-#include "tests/support/may_allocate.h"
+#include "tests/support/scripted_bus.h"
 
 namespace godobject::test_rig {
 namespace {
@@ -19,32 +18,6 @@ namespace {
 constexpr Nanoseconds ms = 1'000'000;
 constexpr Nanoseconds sync_bits = 48;       // on the wire, without the intermission
 constexpr Nanoseconds answer_ns = 250'000;  // end of an answer on the wire, after its SYNC
-
-class ScriptedBus final : public CanBus {
- public:
-  bool open() noexcept override { return true; }
-  void close() noexcept override { bus_state = BusState::closed; }
-  SendResult try_send(const CanFrame& frame) noexcept override {
-    [[maybe_unused]] const test::MayAllocate here;
-    if (full) return SendResult::full;
-    sent.push_back(frame);
-    return SendResult::queued;
-  }
-  bool try_receive(ReceivedFrame& out) noexcept override {
-    [[maybe_unused]] const test::MayAllocate here;
-    if (to_receive.empty()) return false;
-    out = to_receive.front();
-    to_receive.pop_front();
-    return true;
-  }
-  BusState state() const noexcept override { return bus_state; }
-  BusCounters counters() const noexcept override { return {}; }
-
-  bool full = false;
-  BusState bus_state = BusState::error_active;
-  std::vector<CanFrame> sent;
-  std::deque<ReceivedFrame> to_receive;
-};
 
 // A hinge with encoder 1, and a hinge with drive 2 only.
 RigParams two_joints() {
@@ -130,7 +103,7 @@ class RigTest : public testing::Test {
     }
   }
 
-  ScriptedBus bus;
+  test::ScriptedBus bus;
   std::array<CanBus*, 1> buses{&bus};
   const RigParams params;
   Rig rig;

@@ -1,11 +1,11 @@
 // Duplicate frames, as made by bridges, gateways and faults.
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <vector>
 
 #include "hal/canopen/cia406.h"
 #include "hal/drive/cia402.h"
+#include "tests/support/scripted_bus.h"
 #include "tests/support/simulated_rig.h"
 
 namespace godobject::test_rig_copies {
@@ -13,32 +13,14 @@ namespace {
 
 constexpr Nanoseconds us = 1000;
 
-/// Accepts all frames, and delivers the scripted ones.
-class ScriptedBus final : public CanBus {
- public:
-  bool open() noexcept override { return true; }
-  void close() noexcept override {}
-  SendResult try_send(const CanFrame&) noexcept override { return SendResult::queued; }
-  bool try_receive(ReceivedFrame& out) noexcept override {
-    if (frames.empty()) return false;
-    out = frames.front();
-    frames.pop_front();
-    return true;
-  }
-  BusState state() const noexcept override { return BusState::error_active; }
-  BusCounters counters() const noexcept override { return {}; }
-
-  std::deque<ReceivedFrame> frames;
-};
-
 TEST(RigCopies, LateCopyOfAnAnswerIsNoJump) {
   const RigParams params = test::arm_rig_params();
-  ScriptedBus encoders, drives;
+  test::ScriptedBus encoders, drives;
   const std::vector<CanBus*> buses{&encoders, &drives};
   Rig rig(params, 1e-3, buses);
   rig.start(0);
   const auto answer = [&](std::uint8_t node, std::uint32_t counts, Nanoseconds t) {
-    encoders.frames.push_back({.frame = cia406::make_position(node, counts), .t_ns = t});
+    encoders.to_receive.push_back({.frame = cia406::make_position(node, counts), .t_ns = t});
   };
   rig.sync(0);
   answer(1, 1000, 200 * us);
@@ -56,12 +38,12 @@ TEST(RigCopies, LateCopyOfAnAnswerIsNoJump) {
 TEST(RigCopies, LateCopyOfADrivesAnswerIsNoJump) {
   RigParams params = test::arm_rig_params();
   std::erase_if(params.encoders, [&](const EncoderParams& e) { return e.joint == params.drives[0].joint; });
-  ScriptedBus encoders, drives;
+  test::ScriptedBus encoders, drives;
   const std::vector<CanBus*> buses{&encoders, &drives};
   Rig rig(params, 1e-3, buses);
   rig.start(0);
   const auto answer = [&](std::uint8_t node, std::int32_t counts, Nanoseconds t) {
-    drives.frames.push_back({.frame = cia402::make_status(node, {0x1637, counts, 0}), .t_ns = t});
+    drives.to_receive.push_back({.frame = cia402::make_status(node, {0x1637, counts, 0}), .t_ns = t});
   };
   rig.sync(0);
   answer(1, 1000, 200 * us);
