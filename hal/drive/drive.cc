@@ -45,7 +45,7 @@ bool Drive::silent(Nanoseconds now) const noexcept {
   return !has_position_ || now - position_t_ns_ > silent_after_ns_;
 }
 
-DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) const noexcept {
+DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) noexcept {
   // Conservation of power: tau_motor w_motor = tau_joint q_dot.
   const bool may_move = goal == DriveGoal::hold || goal == DriveGoal::enable;
   const bool enabled = may_move && telemetry_.state == MotorState::enabled;
@@ -58,11 +58,12 @@ DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) cons
   command.torque_limited = saturated != wanted;
   command.rate_limited = command.order.torque_Nm != saturated;
   command.out = link_->command(command.order, now);
+  order_ = command.order;  // the next request carries it, also after a refused frame
+  has_frame_ = command.out.frame.has_value();
   return command;
 }
 
 void Drive::sent(const DriveCommand& command, Nanoseconds now) noexcept {
-  order_ = command.order;
   if (command.out.frame) torque_Nm_ = command.order.torque_Nm;  // otherwise request_sent() records it
   link_->sent(command.out, now);
 }

@@ -45,15 +45,17 @@ class Drive {
   std::uint32_t error_code() const noexcept { return telemetry_.error_code; }
   const DriveTelemetry& telemetry() const noexcept { return telemetry_; }
 
-  /// Returns the frame to send at the beginning of a cycle, if any. Call request_sent() when it has been
-  /// sent.
+  /// Returns the frame to send at the beginning of a cycle, if any. It carries the last order planned. Call
+  /// request_sent() when it has been sent.
   std::optional<CanFrame> request() const noexcept { return link_->request(order_); }
-  void request_sent() noexcept { torque_Nm_ = order_.torque_Nm; }
+  void request_sent() noexcept {
+    if (!has_frame_) torque_Nm_ = order_.torque_Nm;
+  }
 
   /// Plans a command: maps tau_joint through the transmission to the motor and saturates it at torque_max_Nm.
   /// Limits its change from the last sent command to the slew of one cycle. Returns zero torque for a drive
   /// that is not enabled or is to stop. tau_joint: at the joint, N m or N, finite.
-  DriveCommand plan(double tau_joint, DriveGoal goal, Nanoseconds now) const noexcept;
+  DriveCommand plan(double tau_joint, DriveGoal goal, Nanoseconds now) noexcept;
   /// Records that a planned command was sent or needs no frame; the slew limit of the next one starts from
   /// it.
   void sent(const DriveCommand& command, Nanoseconds now) noexcept;
@@ -69,7 +71,8 @@ class Drive {
   DriveTelemetry telemetry_;
   Nanoseconds position_t_ns_ = 0;
   bool has_position_ = false;
-  DriveOrder order_{.goal = DriveGoal::hold};  // last order
+  DriveOrder order_{.goal = DriveGoal::hold};  // last one planned
+  bool has_frame_ = false;                     // its torque has a frame of its own
   double torque_Nm_ = 0;
 };
 

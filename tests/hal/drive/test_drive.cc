@@ -50,7 +50,7 @@ cia402::Command decoded(const DriveCommand& command) {
 }
 
 TEST(Drive, TransmissionAndSignKeepThePower) {
-  const Drive drive = enabled_drive();
+  Drive drive = enabled_drive();
   const DriveCommand command = drive.plan(0.1, DriveGoal::hold, 0);
   EXPECT_DOUBLE_EQ(command.order.torque_Nm, -0.1 * 0.05);
   EXPECT_EQ(decoded(command).target_torque_per_mille, -25);
@@ -73,7 +73,7 @@ TEST(Drive, SlewsFromWhatWasSent) {
 TEST(Drive, SaturatesAtTorqueMax) {
   DriveParams p = params();
   p.torque_rate_Nm_per_s = 1e6;
-  const Drive drive = enabled_drive(p);
+  Drive drive = enabled_drive(p);
   const DriveCommand command = drive.plan(-1e9, DriveGoal::hold, 0);
   EXPECT_DOUBLE_EQ(command.order.torque_Nm, 0.1);
   EXPECT_EQ(decoded(command).target_torque_per_mille, 500);

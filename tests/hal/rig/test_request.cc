@@ -258,5 +258,23 @@ TEST(Request, OfAMoteusThatIsRefusedSendsNoTorque) {
   EXPECT_NEAR(world.rig.commanded_torque_Nm(1), 0.05, 1e-12);
 }
 
+/// The order of before would be a torque, after the emergency stop.
+TEST(Request, OfAMoteusAfterARefusedStopIsTheStop) {
+  RigOnBuses world(row_of_hinges(0, 1, DriveProtocol::moteus));
+  ASSERT_TRUE(world.boot_and_arm()) << world.rig.fault_text();
+  world.F[0].f = Vec3(0, 0.5, 0);
+  world.cycles(2);
+  ASSERT_NE(world.drive().drive->torque_Nm, 0);
+  world.bus[0].full = true;
+  world.rig.quick_stop();
+  world.cycle();
+  EXPECT_EQ(world.rig.torque_output(), TorqueOutput::at_once);
+  world.bus[0].full = false;
+  world.begin();
+  ASSERT_EQ(world.bus[0].sent.size(), 1u);
+  EXPECT_EQ(moteus::describe(world.bus[0].sent[0]).value, "stopped");
+  EXPECT_EQ(world.drive().drive->torque_Nm, 0);
+}
+
 }  // namespace
 }  // namespace godobject::test_request
