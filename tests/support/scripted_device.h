@@ -1,14 +1,19 @@
 // A device of one encoder, one CiA 402 drive, an emergency stop and a home button, without a simulated bus.
 #pragma once
 
+#include <cmath>
 #include <deque>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "hal/can/bus.h"
 #include "hal/canopen/cia401.h"
 #include "hal/canopen/cia406.h"
 #include "hal/drive/cia402.h"
 #include "tests/support/may_allocate.h"
+#include "tests/support/scripted_bus.h"
+#include "tests/support/scripted_drive.h"
 
 namespace godobject::test {
 
@@ -19,9 +24,17 @@ inline constexpr Nanoseconds ms = 1'000'000;
 inline constexpr std::uint8_t encoder_id = 1, drive_id = 2, input_id = 3, idle_drive_id = 4;
 inline constexpr int watchdog_cycles = 20;
 
-/// The other end of the host's bus.
+/// The other end of the host's bus. A drive without CANopen is on a bus of its own.
 class ScriptedDevice : public CanBus {
  public:
+  explicit ScriptedDevice(DriveProtocol protocol = DriveProtocol::cia402) {
+    if (protocol == DriveProtocol::odrive) other_drive_ = std::make_unique<ScriptedOdrive>(drive_id);
+    if (protocol == DriveProtocol::moteus) other_drive_ = std::make_unique<ScriptedMoteus>(drive_id);
+  }
+  std::vector<CanBus*> buses() {
+    return other_drive_ ? std::vector<CanBus*>{this, &drive_bus_} : std::vector<CanBus*>{this};
+  }
+
   bool open() noexcept override { return true; }
   void close() noexcept override {}
   SendResult try_send(const CanFrame& frame) noexcept override {
@@ -47,9 +60,10 @@ class ScriptedDevice : public CanBus {
 
   /// Sends heartbeats, and the answers to SYNC if it was sent.
   void answer(Nanoseconds now) {
+    if (other_drive_) answer_of_other_drive(now);
     if (sends_heartbeats && now % (10 * ms) == 0) {
       if (encoder_plugged) send(canopen::make_heartbeat(encoder_id, encoder_nmt), now);
-      if (drive_powered) send(canopen::make_heartbeat(drive_id, drive_nmt), now);
+      if (drive_powered && !other_drive_) send(canopen::make_heartbeat(drive_id, drive_nmt), now);
       if (has_idle_drive) send(canopen::make_heartbeat(idle_drive_id, NmtState::operational), now);
       send(canopen::make_heartbeat(input_id, NmtState::operational), now);
       send_inputs(now);
@@ -61,7 +75,7 @@ class ScriptedDevice : public CanBus {
     if (encoder_answers && encoder_plugged && encoder_nmt == NmtState::operational)
       send(cia406::make_position(encoder_id, encoder_counts), now + ms / 4);
     if (has_idle_drive) send(cia402::make_status(idle_drive_id, {.statusword = 0x40}), now + ms / 4);
-    if (!drive_answers || !drive_powered || drive_nmt != NmtState::operational) return;
+    if (!drive_answers || other_drive_ || !drive_powered || drive_nmt != NmtState::operational) return;
     if (++num_syncs_ % status_every_nth_sync != 0) return;
     const unsigned status = cia402::encode_state(drive) | cia402::status_follows_command;
     send(cia402::make_status(
@@ -79,6 +93,7 @@ class ScriptedDevice : public CanBus {
   }
   /// Ends a cycle: the drive's watchdog.
   void end_cycle() {
+    if (other_drive_) return end_cycle_of_other_drive();
     if (cycles_without_command++ > watchdog_cycles && drive == DriveState::operation_enabled)
       drive = DriveState::fault;
     if (drive != DriveState::operation_enabled) torque_per_mille = 0;
@@ -86,10 +101,22 @@ class ScriptedDevice : public CanBus {
   void power_drive(bool on, Nanoseconds now) {
     if (drive_powered == on) return;
     drive_powered = on;
+    if (other_drive_) return other_drive_->power(on);
     drive = DriveState::switch_on_disabled;
     drive_nmt = NmtState::pre_operational;
     torque_per_mille = 0;
     if (on) send(canopen::make_heartbeat(drive_id, NmtState::boot_up), now);
+  }
+  void fail_drive(Nanoseconds now) {
+    if (!drive_powered) return;
+    if (other_drive_) return other_drive_->fail();
+    drive = DriveState::fault;
+    send(canopen::make_emergency({.node = drive_id, .error_code = 0x2310}), now);
+  }
+  void disable_drive() {
+    if (drive == DriveState::fault) return;
+    if (other_drive_) return other_drive_->disable();
+    drive = DriveState::switch_on_disabled;
   }
 
   bool has_idle_drive = false;  // a second drive, which stays off
@@ -108,6 +135,41 @@ class ScriptedDevice : public CanBus {
   int cycles_without_command = 0;
 
  private:
+  /// The bus of a drive without CANopen. It fails with the other bus, as those of one adapter do.
+  class DriveBus final : public ScriptedBus {
+   public:
+    explicit DriveBus(ScriptedDevice& device) : device_(device) {}
+    SendResult try_send(const CanFrame& frame) noexcept override {
+      full = device_.is_full || device_.is_off;
+      const SendResult result = ScriptedBus::try_send(frame);
+      if (result == SendResult::queued) device_.other_drive_->receive_from_host(frame);
+      sent.clear();
+      return result;
+    }
+    BusState state() const noexcept override { return device_.state(); }
+
+   private:
+    ScriptedDevice& device_;
+  };
+
+  void answer_of_other_drive(Nanoseconds now) {
+    const SendFrame to_host = [&](const CanFrame& frame) {
+      if (!is_off) drive_bus_.to_receive.push_back({frame, now + ms / 4});
+    };
+    if (sends_heartbeats && now % (10 * ms) == 0) other_drive_->send_heartbeat(to_host);
+    if (drive_answers) other_drive_->answer(to_host);
+  }
+  void end_cycle_of_other_drive() {
+    constexpr double torque_of_1000_per_mille_Nm = 0.1;
+    other_drive_->end_cycle(watchdog_cycles);
+    cycles_without_command = other_drive_->cycles_without_command;
+    torque_per_mille =
+        static_cast<int>(std::lround(1000 * other_drive_->torque_Nm / torque_of_1000_per_mille_Nm));
+    drive = other_drive_->is_enabled()   ? DriveState::operation_enabled
+            : other_drive_->has_failed() ? DriveState::fault
+                                         : DriveState::switch_on_disabled;
+  }
+
   void receive_from_host(const CanFrame& frame) {
     canopen::Nmt nmt;
     cia402::Command command;
@@ -141,6 +203,8 @@ class ScriptedDevice : public CanBus {
     }
   }
 
+  std::unique_ptr<ScriptedDrive> other_drive_;  // not CANopen
+  DriveBus drive_bus_{*this};
   std::deque<ReceivedFrame> to_host_;
   bool synced_ = false;
   int num_syncs_ = 0;

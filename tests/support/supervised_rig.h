@@ -9,6 +9,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "hal/rig/rig.h"
 #include "tests/support/scripted_device.h"
@@ -52,6 +53,16 @@ inline RigParams params_of_incremental_rig() {
   rig.encoders[0].calibration.incremental = true;
   rig.encoders[0].calibration.home = 0.5;
   rig.buttons.push_back({.use = ButtonUse::home, .node_id = input_id, .bit = 1});
+  return rig;
+}
+
+/// Returns the rig with a drive of another protocol, on a bus of its own.
+inline RigParams params_of_rig_with(DriveProtocol protocol) {
+  RigParams rig = params_of_rig();
+  if (protocol == DriveProtocol::cia402) return rig;
+  rig.buses.push_back({.name = "can1", .data_bit_rate = protocol == DriveProtocol::moteus ? 5e6 : 0});
+  rig.drives[0].protocol = protocol;
+  rig.drives[0].bus = 1;
   return rig;
 }
 
@@ -122,7 +133,9 @@ static_assert(rig_trial_names.size() == num_incremental_rig_trials);
 /// A rig on the device, and the promises that hold in every cycle.
 class SupervisedRig {
  public:
-  explicit SupervisedRig(RigParams of_rig = params_of_rig()) : params(std::move(of_rig)) {}
+  explicit SupervisedRig(RigParams of_rig = params_of_rig())
+      : device(of_rig.drives[0].protocol), params(std::move(of_rig)) {}
+  explicit SupervisedRig(DriveProtocol protocol) : SupervisedRig(params_of_rig_with(protocol)) {}
 
   void apply(RigTrial event) {
     bool finite = true;
@@ -150,14 +163,8 @@ class SupervisedRig {
       case RigTrial::queue_free: device.is_full = event == RigTrial::queue_full; break;
       case RigTrial::drive_power_off:
       case RigTrial::drive_power_on: device.power_drive(event == RigTrial::drive_power_on, now_); break;
-      case RigTrial::drive_error:
-        if (!device.drive_powered) break;
-        device.drive = DriveState::fault;
-        device.send(canopen::make_emergency({.node = drive_id, .error_code = 0x2310}), now_);
-        break;
-      case RigTrial::drive_disabled:
-        if (device.drive != DriveState::fault) device.drive = DriveState::switch_on_disabled;
-        break;
+      case RigTrial::drive_error: device.fail_drive(now_); break;
+      case RigTrial::drive_disabled: device.disable_drive(); break;
       case RigTrial::encoder_unplugged:
       case RigTrial::encoder_plugged: device.encoder_plugged = event == RigTrial::encoder_plugged; break;
       case RigTrial::encoder_restarts:
@@ -197,7 +204,7 @@ class SupervisedRig {
   }
 
   ScriptedDevice device;
-  std::array<CanBus*, 1> buses{&device};
+  std::vector<CanBus*> buses = device.buses();
   const RigParams params;
   Rig rig{params, cycle_s, buses};
   std::string broken;  // the first broken promise
@@ -234,7 +241,8 @@ class SupervisedRig {
     if (std::abs(torque_Nm) > torque_max_Nm) fail("torque above its limit");
     if (std::abs(device.torque_per_mille) > 1000) fail("torque of the motor above its limit");
     if (torque_Nm != 0 && std::abs(torque_Nm - before_Nm) > largest_change_Nm) fail("torque above its rate");
-    if (!is_armed && std::abs(torque_Nm) > std::abs(before_Nm)) fail("torque rises unarmed");
+    if (cycles_not_armed_ > torque_delay_ && std::abs(torque_Nm) > std::abs(before_Nm))
+      fail("torque rises unarmed");
     if (is_armed && cycles_without_pose_ > lost_cycles) fail("armed without a live hand");
     if (is_armed && rig.faults() != RigFault::none) fail("armed with a fault");
     check_zero(sample, is_armed, has_torque);
@@ -273,6 +281,8 @@ class SupervisedRig {
   bool is_homed_ = false;   // the home pose was confirmed, and the encoder has not restarted since
   std::uint32_t counts_at_home_ = 0;
   int cycles_enabled_ = 0, cycles_at_rest_ = 0;  // while homing
+  // cycles from a torque to the request that carries it
+  const int torque_delay_ = params.drives[0].protocol == DriveProtocol::moteus ? 1 : 0;
   int cycles_not_armed_ = 0, cycles_at_once_ = 0, cycles_without_pose_ = 0, cycles_sent_ = 0;
 };
 
