@@ -3,7 +3,8 @@
 
 Changes one operator, constant, condition, statement or pair of arguments at a time, compiles the changed file,
 links it with the tests of hal and runs them. A mutant that no test fails on survives. The release build of
-test_hal must exist. Mutants that cannot be told from the original are listed in equivalent.txt, with the reason.
+test_hal must exist. A mutant is equivalent if its machine code is that of the original, or if equivalent.txt lists
+it with the reason.
 """
 
 import argparse
@@ -155,13 +156,18 @@ class Builder:
     def compile(self, source: pathlib.Path, out: pathlib.Path | str) -> bool:
         return run([*self.flags, "-include", str(self.headers), "-o", str(out), "-c", str(source)], self.build)
 
-    def program(self, target: str, text: str, work: pathlib.Path) -> pathlib.Path | None:
-        """Returns the test program with this text of the target, in the folder work; None if it does not compile."""
-        source, out, program = work / "mutant.cc", str(work / "mutant.o"), work / "test_mutant"
+    def code(self, text: str, work: pathlib.Path) -> bytes | None:
+        """Returns the object file of this text of a target, compiled in the folder work; None if it does not compile."""
+        source, out = work / "mutant.cc", work / "mutant.o"
         source.write_text(text)
+        return out.read_bytes() if self.compile(source, out) else None
+
+    def program(self, target: str, work: pathlib.Path) -> pathlib.Path | None:
+        """Returns the test program with the target as last compiled in the folder work; None if it does not link."""
+        program = work / "test_mutant"
         others = [str(object_) for name, object_ in self.targets.items() if name != target]
-        linked = self.compile(source, out) and run(
-            [*self.linker, *self.tests, out, *others, *self.rest, "-o", str(program), *self.libraries], self.build)
+        linked = run([*self.linker, *self.tests, str(work / "mutant.o"), *others, *self.rest, "-o", str(program),
+                      *self.libraries], self.build)
         return program if linked else None
 
 
@@ -222,16 +228,24 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as work, concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         builder = Builder(given.build, pathlib.Path(work), pool)
         folders: queue.Queue[pathlib.Path] = queue.Queue()
-        for job in range(given.jobs):
-            folders.put(pathlib.Path(work, str(job)))
-            pathlib.Path(work, str(job)).mkdir()
+        places = [pathlib.Path(work, str(job)) for job in range(given.jobs)]
+        for place in places:
+            place.mkdir()
+            folders.put(place)
+        originals: dict[str, set[bytes | None]] = {}  # code of each target, by folder
 
         def outcome_of(target: str, text: str) -> str:
             folder = folders.get()
-            program = builder.program(target, text, folder)
-            outcome = "invalid" if program is None else "survives" if passes(program) else "killed"
-            folders.put(folder)
-            return outcome
+            try:
+                code = builder.code(text, folder)
+                if code is None:
+                    return "invalid"
+                if code in originals.get(target, set()):
+                    return "equivalent"
+                program = builder.program(target, folder)
+                return "invalid" if program is None else "survives" if passes(program) else "killed"
+            finally:
+                folders.put(folder)
 
         def try_out(mutant: tuple) -> str:
             target, start, end, new, _ = mutant
@@ -244,6 +258,7 @@ def main() -> int:
         for target, text in texts.items():
             if outcome_of(target, text) != "survives":
                 sys.exit(f"mutate: the tests fail without a mutant of {target}")
+            originals[target] = {builder.code(text, place) for place in places}
         for number, (mutant, outcome) in enumerate(zip(mutants, pool.map(try_out, mutants)), 1):
             outcomes[outcome] += 1
             if outcome == "survives":
