@@ -46,11 +46,17 @@ struct TouchingEachOther : Led<IntegratorPart, 5> {
   using Contacts = BodyContacts<20, 5, 30>;
 };
 
-/// A tool with a net round it that touches a plane, and a sheet in the scene.
+/// The two tools with other forces between them, and a gear.
+template <class IntegratorPart>
+struct Forced : TouchingEachOther<IntegratorPart, TreeJoints<JointStops, PrescribedJoints>> {
+  using Terms = TermList<DampedSprings<1>, CoordinateSprings<1>, ConstantForces<1>>;
+};
+
+/// A tool with a net round it that touches a plane, and a sheet in the scene; attached to the other body.
 template <class IntegratorPart>
 struct Netted : Led<IntegratorPart> {
   using Contacts = BodyContacts<2, 1, 10>;
-  using Net = MassSpringNet<50, 100, 50>;
+  using Net = MassSpringNet<50, 100, 50, 2, 64>;
 };
 
 constexpr Real h = 1e-3;
@@ -163,7 +169,24 @@ void add_touching(Params<S>& par) {
   contacts.laws[0][0] = {.k = 2e4, .c = 40, .mu = 0.4, .k_t = 1e4, .c_t = 10};
 }
 
-/// Two sheets of 5 x 5: one on the second body, one held in the world by its corners.
+/// A spring between the tools, a gear of their first joints, and a force on a link.
+template <Scene S>
+void add_terms(Params<S>& par) {
+  auto& [springs, gears, forces] = par.terms.of_kinds;
+  springs.list[springs.size++] = {.a = {.on = 1, .p = Vec3(0.01, 0, 0)},
+                                  .b = {.on = 4, .p = Vec3(0, 0.02, 0)},
+                                  .k = 200,
+                                  .g = 2,
+                                  .l_0 = 0.03};
+  gears.list[gears.size++] = {.of = {{{.body = 0, .c = 1, .ratio = 1}, {.body = 1, .c = 0, .ratio = -0.7}}},
+                              .size = 2,
+                              .k = 2,
+                              .g = 0.02};
+  forces.list[forces.size++] = {.at = {.on = 3, .p = Vec3(0.01, 0, 0.02)}, .F_W = Vec3(0.5, 0, -1)};
+}
+
+/// Two sheets of 5 x 5 with faces: one on the second body, one held in the world by its corners. Each is
+/// attached to a body that does not carry it.
 template <Scene S>
 void add_nets(Params<S>& par) {
   par.contacts.surfaces[par.contacts.num_surfaces++] = {
@@ -183,7 +206,14 @@ void add_nets(Params<S>& par) {
                                   .radius = 0.004};
     if (column > 0) net.springs[net.num_springs++] = {.i = n - 1, .j = n, .k = 100, .g = 0.01, .l_0 = 0.009};
     if (row % 5 > 0) net.springs[net.num_springs++] = {.i = n - 5, .j = n, .k = 100, .g = 0.01, .l_0 = 0.009};
+    if (column == 0 || row % 5 == 0) continue;
+    net.faces.list[net.faces.size++] = {.nodes = {n - 6, n - 5, n}};
+    net.faces.list[net.faces.size++] = {.nodes = {n - 6, n, n - 1}};
   }
+  net.attachments.list[net.attachments.size++] = {
+      .node = 12, .body = 0, .p_B = Vec3(0.02, 0.02, 0), .k = 20, .g = 0.02};
+  net.attachments.list[net.attachments.size++] = {
+      .node = 37, .body = 1, .p_B = Vec3(0.02, 0.02, 0), .k = 20, .g = 0.02};
   put_in_order(net);
 }
 
@@ -197,6 +227,7 @@ void set_up(Params<S>& par, State<S>& x) {
     else if constexpr (ContactsOf<S>::between_bodies) add_touching(par);
     else add_contacts(par);
   }
+  if constexpr (uses<TermsOf<S>>) add_terms(par);
   Mat3 I_B;
   I_B << 5e-3, 1e-3, -5e-4, 1e-3, 3e-3, 4e-4, -5e-4, 4e-4, 6e-3;
   for (std::size_t i = 0; i < S::max_bodies; ++i) {
@@ -253,9 +284,8 @@ void print_hashes() {
   print_hash<Tool<Integrator>>("  joints");
   print_hash<Touching<Integrator>>("  contacts");
   print_hash<TouchingEachOther<Integrator>>("  contacts between bodies");
-  print_hash<TouchingEachOther<Integrator, TreeJoints<JointStops, PrescribedJoints>>>(
-      "  contacts between tools");
-  print_hash<Netted<Integrator>>("  nets");
+  print_hash<Forced<Integrator>>("  contacts and terms between tools");
+  print_hash<Netted<Integrator>>("  nets, faces, attachments");
 }
 
 }  // namespace
