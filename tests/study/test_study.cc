@@ -72,6 +72,7 @@ struct QuickRun {
       "<!-- begin of the head -->\nof them\n<!-- end of the head -->\n",
       map_begin + std::string("## An earlier map\n") + map_end,
       peers_begin + std::string("## Earlier peers\n") + peers_end,
+      "<!-- begin of the float core -->\nof it\n<!-- end of the float core -->\n",
       "<!-- begin of the steps -->\nof earlier benchmarks\n<!-- end of the steps -->\n",
       "<!-- begin of the long checks -->\nof an earlier day\n<!-- end of the long checks -->\n"};
   Folder folder;
