@@ -88,8 +88,8 @@ std::string document() {
   return text.str();
 }
 
-/// States of the table that the events of a rig lead to. The others are states of a run. is_incremental: false
-/// if nothing waits for the home pose.
+/// States of the table that the events of a rig lead to. The others are states of a run. is_incremental:
+/// true if the rig waits for the home pose.
 std::set<RigState> states_of_a_rig(bool is_incremental) {
   constexpr std::array events{
       RigEvent::start, RigEvent::nodes_up,   RigEvent::homed, RigEvent::drives_up, RigEvent::arm,

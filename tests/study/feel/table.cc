@@ -93,12 +93,13 @@ std::string feel_tables(const std::vector<FeelSweep>& sweeps) {
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i + 1 < sweeps.size(); i += 2) {
     const FeelCase& c = sweeps[i].of;
-    displayed += displayed_row(sweeps[i], sweeps[i + 1]);
+    if (!c.plan.has_buses || c.damping_ratio == shown_ratio)
+      displayed += displayed_row(sweeps[i], sweeps[i + 1]);
     if (c.plan.has_buses && c.integrator == shown_integrator && c.damping_ratio == shown_ratio)
       hand += hand_row(sweeps[i], sweeps[i + 1]);
   }
-  return displayed + "\nAt the hand, with the device's own mechanics, " + shown_integrator +
-         " with a ratio of 1.4; ripple at 1 Hz:\n\n" + hand;
+  return displayed + "\nOther ratios on buses: `feel.csv`. At the hand, with the device's own mechanics, " +
+         shown_integrator + " with a ratio of 1.4; ripple at 1 Hz:\n\n" + hand;
 }
 
 }  // namespace godobject::study
