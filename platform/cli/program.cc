@@ -136,10 +136,7 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
     }
   };
   if (!call_on_large_stack(guarded))
-    std::fputs(
-        "out of memory: the stack is too small (raise ulimit -s), and another cannot be allocated (raise "
-        "ulimit -v)\n",
-        stderr);
+    std::fputs("out of memory: a stack of 8 MB cannot be allocated: raise ulimit -v\n", stderr);
   return static_cast<int>(code);
 }
 

@@ -214,12 +214,14 @@ bool keep_standard_descriptors() noexcept {
 }
 
 bool call_on_large_stack(const std::function<void()>& f) {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_STACK, &limit) != 0 || !is_small(limit)) {
+  // With a limit of all addresses the kernel may refuse to let the present stack grow, by a SIGSEGV.
+  rlimit stack{}, addresses{};
+  const bool suffices = getrlimit(RLIMIT_STACK, &stack) != 0 || !is_small(stack);
+  if (suffices && (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY)) {
     f();
     return true;
   }
-  give_threads_as_much();
+  if (!suffices) give_threads_as_much();
   const auto guard_bytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   const std::size_t bytes = stack_bytes + guard_bytes;
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
