@@ -97,9 +97,9 @@ std::vector<RtStep> core_checks(std::span<const std::string> interfaces, const M
 /// false if /dev/null cannot be opened.
 [[nodiscard]] bool keep_standard_descriptors() noexcept;
 
-/// Calls f in this thread, on a stack of 8 MB of its own if the process's limit (`ulimit -s`) is lower, or its
-/// addresses are limited (`ulimit -v`). Threads that start meanwhile get as much. Returns false, without
-/// calling f, if out of memory.
+/// Calls f in this thread, on a stack of 8 MB of its own if the process's limit (`ulimit -s`) is lower or
+/// its addresses are limited (`ulimit -v`). If lower, threads that start meanwhile get as much. Returns
+/// false, without calling f, if out of memory.
 [[nodiscard]] bool call_on_large_stack(const std::function<void()>& f);
 
 /// Processor and kernel of this machine.
