@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -133,6 +134,7 @@ TEST(BagMeasure, IsThatOfTheCore) {
   const Bag bag = endobag();
   const std::string module = (peer_program().parent_path() / "bag.mjs").string();
   std::ostringstream json_of_bar;
+  json_of_bar.precision(std::numeric_limits<double>::max_digits10);
   json_of_bar << "{radius:" << bag.node_radius() << ",bar:{radius:" << Bag::bar_radius
               << ",half_length:" << Bag::bar_half << ",start:" << Bag::bar_start
               << ",press:" << Bag::bar_press << ",time:" << Bag::press_time << "}}";
