@@ -17,7 +17,6 @@
 #include "core/device/cues.h"
 #include "hal/base/codec.h"
 #include "hal/joint/kinematic_tree.h"
-#include "platform/rt/cyclic.h"
 #include "platform/session/session.h"
 
 namespace godobject {
@@ -70,7 +69,7 @@ struct ViewSample {
   std::size_t num_touching = 0;
   bool paused = false;            // by a page: see ViewPace
   std::vector<Vec3> net_nodes{};  // positions of the nodes of all nets
-  Nanoseconds t_ns = 0;           // time of the step, by MonotonicClock: see ViewTap::offer()
+  Nanoseconds t_ns = 0;           // time of the step, by MonotonicClock; 0: simulated
 };
 
 /// Speed of a run that a page pauses, steps or slows down. Both ends are wait-free. Only for runs without
@@ -110,15 +109,14 @@ class ViewTap {
       : latest_(like(session)), cues_(session.scene().bodies.size()), paced_(paced) {}
 
   /// For the loop, after each period. record: record of the last step so far. On real buses and trackers the
-  /// sample has the time t_bus of the step. Otherwise it has the present time, because simulated time is no
-  /// time of day.
+  /// sample has the time t_bus of the step. Otherwise it has none, because simulated time is no time of day.
   void offer(const Session& session, const CycleRecord& record) noexcept {
     observe_impacts(record);
     if (!latest_.wanted()) return;
     ViewSample& sample = latest_.slot();
     loop::copy(sample.record, record);
     const bool has_bus_time = session.bus() == BusChoice::real && record.t_bus_ns != 0;
-    sample.t_ns = has_bus_time ? record.t_bus_ns : MonotonicClock{}.now();
+    sample.t_ns = has_bus_time ? record.t_bus_ns : 0;
     sample.phase = session.phase();
     sample.missed_deadlines = session.missed_deadlines();
     sample.counters = session.rig_counters();

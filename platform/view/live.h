@@ -132,7 +132,7 @@ inline bool LiveView::point(std::uint64_t client, const PointerMessage& message)
 //   STATUS     1 while it runs, 13 before, 19 after, 18 with a fault of the device, 2 with one of the core;
 //              sub-code: the cycle; device: godobject
 // Names are cut at 20 characters. Messages have the time of day of the step that they describe. On real buses
-// and trackers it is t_bus of the trace, otherwise the end of the step.
+// and trackers it is t_bus of the trace, otherwise the time of sending.
 
 /// Server of OpenIGTLink for a running session, on a thread of its own.
 class OpenIgtLinkServer {

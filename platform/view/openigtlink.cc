@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "hal/tracker/openigtlink.h"
+#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 #include "platform/view/live.h"
 
@@ -177,7 +178,8 @@ void OpenIgtLinkServer::listen_to_clients() {
 
 void OpenIgtLinkServer::send_to_clients(const ViewSample& sample) {
   bytes_.clear();
-  append_openigtlink(sample, scene_, driven_, sample.t_ns + wall_origin_ns_, bytes_);
+  const Nanoseconds t_ns = sample.t_ns != 0 ? sample.t_ns : MonotonicClock{}.now();
+  append_openigtlink(sample, scene_, driven_, t_ns + wall_origin_ns_, bytes_);
   for (Client& client : clients_) {
     if (!client.unsent.empty()) continue;
     client.unsent = bytes_;
