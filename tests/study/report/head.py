@@ -11,8 +11,11 @@ import subprocess
 import sys
 import tempfile
 
+from sections import split
+
 SCENES = {"S1": "rigid tool", "S3": "grasper", "S5": "five links"}
 OURS = ("implicit-euler", "tr-bdf2")
+ENGINES = ("MuJoCo 2.2", "Bullet 3.24", "ODE 0.16")  # in the table of steps
 NONE = "none so fast"  # cell of a table
 COLOURS = {"implicit-euler": "#7b1fa2", "tr-bdf2": "#2e7d32", "MuJoCo 2.2": "#00acc1", "Bullet 3.24": "#777777", "ODE 0.16": "#daa520",
            "Simbody 3.7": "#ad1457"}
@@ -215,16 +218,6 @@ set yrange [0:1]
         at = 1 + 3 * list(SCENES).index(scene)
         good = [r for r in rows if r[at] not in ("-", "fails") and r[at + 2] != "-"]
         return "".join(f"{r[at + 2]} {r[at]} {[r[0].startswith(name) for name in COLOURS].index(True)}\n" for r in good)
-
-
-def split(path, name):
-    """Returns the text of a page before a section between markers, the section, and the text after it."""
-    text = pathlib.Path(path).read_text()
-    begin, end = f"<!-- begin of the {name} -->\n", f"<!-- end of the {name} -->\n"
-    if begin not in text or end not in text:
-        sys.exit(f"{path}: has no lines {begin}and {end}between which its section belongs: add them where it shall be")
-    first, last = text.index(begin) + len(begin), text.index(end)
-    return text[:first], text[first:last], text[last:]
 
 
 def main():

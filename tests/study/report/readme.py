@@ -10,9 +10,8 @@ import re
 import sys
 import textwrap
 
-from head import NONE, OURS, SCENES, Report, found, joined, split, table, times_text, whole, winners
-
-ENGINES = ("MuJoCo 2.2", "Bullet 3.24", "ODE 0.16")
+from head import ENGINES, NONE, OURS, SCENES, Report, found, joined, table, times_text, whole, winners
+from sections import split
 
 
 def time_text(us):

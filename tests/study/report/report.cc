@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Sections that other commands write: head.py, `godobject-study stability-map`, godobject-peers,
-/// real/error.py, steps.py, `./dev sanitize` and the like.
+/// float_core.py, steps.py, `./dev sanitize` and the like.
 constexpr const char* head = "head";
 constexpr std::array sections{"stability map", "peers", "float core", "steps", "long checks"};
 

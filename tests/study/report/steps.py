@@ -10,9 +10,9 @@ import pathlib
 import re
 import sys
 
-from head import OURS, split
+from head import ENGINES, OURS
+from sections import split
 
-ENGINES = ("MuJoCo 2.2", "Bullet 3.24", "ODE 0.16")
 # Name of a row, its benchmarks of the core without the integrator, those of the other engines.
 STEPS = (("rigid tool with feedback, S1", "S1/haptic-1", None), ("64 links on ball joints, S5", "S5/free-joints-64", "S5/64"))
 HEAD = """## Steps of the benchmarks

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the error of the core with float beside that with double, and writes its section of the report.
 
-usage: error.py FOLDER_OF_PROGRAMS OUT_FOLDER [REPORT]
+usage: float_core.py FOLDER_OF_PROGRAMS OUT_FOLDER [REPORT]
 
 Programs: godobject-double, godobject-float. Without a report only OUT_FOLDER/float.csv and float.png are written.
 """
@@ -12,7 +12,8 @@ import shutil
 import subprocess
 import sys
 
-BEGIN, END = "<!-- begin of the float core -->\n", "<!-- end of the float core -->\n"
+from sections import split
+
 SCENES = ("rigid", "grasper", "press")
 REALS = ("double", "float")
 REFERENCE_STEPS = 640  # of 1/32 ms, per row of 20 ms
@@ -93,11 +94,8 @@ def main():
     if len(sys.argv) == 3:
         return
     report = pathlib.Path(sys.argv[3])
-    text = report.read_text()
-    if BEGIN not in text or END not in text:
-        sys.exit(f"{report}: has no lines {BEGIN}and {END}between which the section belongs: write the report with ./dev study first")
-    begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
-    report.write_text(text[:begin] + section(rows) + text[end:])
+    before, _, after = split(report, "float core")
+    report.write_text(before + section(rows) + after)
     shutil.copy(out / "float.png", report.parent / "figures/float.png")
 
 
