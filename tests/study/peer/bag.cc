@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "platform/scene/toml.h"
+#include "tests/study/peer/scene_file.h"
 
 namespace godobject::study {
 
@@ -28,6 +29,25 @@ Bag endobag() {
     node.material = 0;
   }
   return bag;
+}
+
+nlohmann::json bag_json(const Bag& bag, const std::vector<Vec3>& rest) {
+  nlohmann::json result{{"h", Bag::h},
+                        {"duration", Bag::duration},
+                        {"radius", bag.node_radius()},
+                        {"bar",
+                         {{"radius", Bag::bar_radius},
+                          {"half_length", Bag::bar_half},
+                          {"start", Bag::bar_start},
+                          {"press", Bag::bar_press},
+                          {"time", Bag::press_time}}}};
+  result["nodes"] = result["springs"] = result["rest"] = nlohmann::json::array();
+  for (const NetNode& n : bag.net.nodes)
+    result["nodes"].push_back({{"m", n.m}, {"p", list_of(n.p_B)}, {"k", n.k}, {"g", n.g}});
+  for (const NetSpring& s : bag.net.springs)
+    result["springs"].push_back({{"i", s.i}, {"j", s.j}, {"k", s.k}, {"g", s.g}, {"l", s.l_0}});
+  for (const Vec3& p : rest) result["rest"].push_back(list_of(p));
+  return result;
 }
 
 }  // namespace godobject::study

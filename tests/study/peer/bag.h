@@ -2,6 +2,10 @@
 // it. Without gravity and friction, so that all engines have the same place of rest.
 #pragma once
 
+#include <array>
+#include <nlohmann/json.hpp>
+#include <vector>
+
 #include "platform/scene/net/params.h"
 
 namespace godobject::study {
@@ -23,5 +27,7 @@ struct Bag {
 
 /// Reads the scene. Throws std::runtime_error.
 Bag endobag();
+/// Returns the scene for the engines of tests/bench/wasm. rest: of bag_at_rest().
+nlohmann::json bag_json(const Bag& bag, const std::vector<Vec3>& rest);
 
 }  // namespace godobject::study

@@ -14,9 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-json list_of(const oracle::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
-json list_of(const oracle::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
-json pose_json(const oracle::RigidState& x) { return {{"p", list_of(x.p)}, {"q", list_of(x.q)}}; }
+json wxyz_of(const oracle::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+json pose_json(const oracle::RigidState& x) { return {{"p", list_of(x.p)}, {"q", wxyz_of(x.q)}}; }
 json state_json(const oracle::RigidState& x) {
   json state = pose_json(x);
   state["v"] = list_of(x.v);
@@ -76,6 +75,8 @@ void write_json(const std::filesystem::path& file, const json& content) {
 }
 
 }  // namespace
+
+json list_of(const oracle::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
 
 void write_scene(const std::filesystem::path& file, const ReferenceScene& scene,
                  const oracle::Solution& reference) {

@@ -56,28 +56,6 @@ json hanging_net_json() {
           {"h", Net::h},           {"duration", 1.0}};
 }
 
-json array_of(const Vec3& a) { return {a.x(), a.y(), a.z()}; }
-
-/// rest: of bag_at_rest().
-json bag_json(const Bag& bag, const std::vector<Vec3>& rest) {
-  json result{{"h", Bag::h},
-              {"duration", Bag::duration},
-              {"radius", bag.node_radius()},
-              {"bar",
-               {{"radius", Bag::bar_radius},
-                {"half_length", Bag::bar_half},
-                {"start", Bag::bar_start},
-                {"press", Bag::bar_press},
-                {"time", Bag::press_time}}}};
-  result["nodes"] = result["springs"] = result["rest"] = json::array();
-  for (const NetNode& n : bag.net.nodes)
-    result["nodes"].push_back({{"m", n.m}, {"p", array_of(n.p_B)}, {"k", n.k}, {"g", n.g}});
-  for (const NetSpring& s : bag.net.springs)
-    result["springs"].push_back({{"i", s.i}, {"j", s.j}, {"k", s.k}, {"g", s.g}, {"l", s.l_0}});
-  for (const Vec3& p : rest) result["rest"].push_back(array_of(p));
-  return result;
-}
-
 constexpr int rounds = 2;  // of whole runs, the faster of which counts
 
 template <class T>
