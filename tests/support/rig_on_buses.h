@@ -69,6 +69,14 @@ inline RigParams row_of_hinges(int num_encoders, int num_drives,
   return rig;
 }
 
+/// Returns a row of hinges with two encoders, the second on the second bus.
+inline RigParams row_on_two_buses(int num_drives, DriveProtocol protocol = DriveProtocol::cia402,
+                                  int num_buses = 2) {
+  RigParams rig = row_of_hinges(2, num_drives, protocol, num_buses);
+  rig.encoders[1].bus = 1;
+  return rig;
+}
+
 /// Returns "identifier size: bytes" of each frame, hexadecimal.
 inline std::vector<std::string> texts_of(const std::vector<CanFrame>& frames) {
   std::vector<std::string> texts;

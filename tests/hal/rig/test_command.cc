@@ -13,6 +13,7 @@ namespace {
 using cia402::DriveState;
 using test::RigOnBuses;
 using test::row_of_hinges;
+using test::row_on_two_buses;
 using test::texts_of;
 
 constexpr Nanoseconds ms = RigOnBuses::ms;
@@ -52,8 +53,7 @@ TEST(CommandReport, HasTheBitOfEachDrive) {
 }
 
 TEST(RefusedFrames, InARowAreAFaultOfTheirBus) {
-  RigParams params = row_of_hinges(2, 0, DriveProtocol::cia402, 2);
-  params.encoders[1].bus = 1;
+  RigParams params = row_on_two_buses(0);
   params.heartbeat_period_s = 10;
   RigOnBuses world(params);
   ASSERT_TRUE(world.boot());

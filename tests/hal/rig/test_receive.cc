@@ -13,6 +13,7 @@ using canopen::NmtState;
 using cia402::DriveState;
 using test::RigOnBuses;
 using test::row_of_hinges;
+using test::row_on_two_buses;
 
 constexpr Nanoseconds ms = RigOnBuses::ms, us = RigOnBuses::us;
 
@@ -26,8 +27,7 @@ std::vector<RigFaultRecord> records_of(const Rig& rig, RigFault fault) {
 
 /// Two encoders with the same node id on two buses, and a drive on the second.
 RigParams on_two_buses() {
-  RigParams params = row_of_hinges(2, 1, DriveProtocol::cia402, 2);
-  params.encoders[1].bus = 1;
+  RigParams params = row_on_two_buses(1);
   params.encoders[1].node_id = params.encoders[0].node_id;
   return params;
 }

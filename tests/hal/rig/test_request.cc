@@ -11,6 +11,7 @@ namespace {
 
 using test::RigOnBuses;
 using test::row_of_hinges;
+using test::row_on_two_buses;
 using test::texts_of;
 
 constexpr std::uint32_t host_heartbeat = canopen::heartbeat_cob_id(127);
@@ -27,8 +28,7 @@ std::vector<int> cycles_without_sync(RigOnBuses& world, int count, std::size_t b
 }
 
 TEST(HostHeartbeat, IsSentToEveryCanopenBusAtItsPeriod) {
-  RigParams params = row_of_hinges(2, 1, DriveProtocol::odrive, 3);
-  params.encoders[1].bus = 1;
+  RigParams params = row_on_two_buses(1, DriveProtocol::odrive, 3);
   params.heartbeat_period_s = 0.05;
   RigOnBuses world(params);
   world.bus[0].live = world.bus[1].live = false;  // without SYNCs left out
@@ -84,8 +84,7 @@ TEST(SyncLeftOut, ComesMoreRarelyTheLongerADelayIsInDoubt) {
 
 /// A drive that answers every 20th SYNC takes 43 to show one that was left out, on its own bus only.
 TEST(SyncLeftOut, AwaitsTheLongestMeasurementOfItsBus) {
-  RigParams params = row_of_hinges(2, 1, DriveProtocol::cia402, 2);
-  params.encoders[1].bus = 1;
+  RigParams params = row_on_two_buses(1);
   params.drives[0].status_every_nth_sync = 20;
   RigOnBuses world(params);
   for (test::ScriptedNode& node : world.nodes) node.delay = beyond_reach;
@@ -116,9 +115,7 @@ TEST(SyncLeftOut, AwaitsTheAnswerOfASlowDriveToTheLastOne) {
 }
 
 TEST(SyncLeftOut, IsThatOfTheBusInDoubt) {
-  RigParams params = row_of_hinges(2, 0, DriveProtocol::cia402, 2);
-  params.encoders[1].bus = 1;
-  RigOnBuses world(params);
+  RigOnBuses world(row_on_two_buses(0));
   world.bus[1].live = false;
   ASSERT_TRUE(world.boot());
   world.cycles(20);
@@ -148,9 +145,7 @@ TEST(SyncLeftOut, IsNoneOfABusWhoseNodesSendByThemselves) {
 }
 
 TEST(SyncCount, IsOfCyclesWithOneOnAnyBus) {
-  RigParams params = row_of_hinges(2, 0, DriveProtocol::cia402, 2);
-  params.encoders[1].bus = 1;
-  RigOnBuses world(params);
+  RigOnBuses world(row_on_two_buses(0));
   ASSERT_TRUE(world.boot());
   const std::uint64_t before = world.rig.counters().syncs;
   const auto syncs_with = [&](bool first_full, bool second_full) {
@@ -166,9 +161,7 @@ TEST(SyncCount, IsOfCyclesWithOneOnAnyBus) {
 }
 
 TEST(SyncCount, OfIncompleteOnesIsOfARunningRig) {
-  RigParams params = row_of_hinges(2, 0, DriveProtocol::cia402, 2);
-  params.encoders[1].bus = 1;
-  RigOnBuses world(params);
+  RigOnBuses world(row_on_two_buses(0));
   world.rig.start(0);
   const auto lose_an_answer = [&] {
     world.encoder().answers = false;
