@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <system_error>
 
 #include "hal/tracker/openigtlink.h"
-#include "platform/rt/cyclic.h"
 #include "platform/rt/signals.h"
 #include "platform/view/live.h"
 
@@ -178,8 +178,10 @@ void OpenIgtLinkServer::listen_to_clients() {
 
 void OpenIgtLinkServer::send_to_clients(const ViewSample& sample) {
   bytes_.clear();
-  const Nanoseconds t_ns = sample.t_ns != 0 ? sample.t_ns : MonotonicClock{}.now();
-  append_openigtlink(sample, scene_, driven_, t_ns + wall_origin_ns_, bytes_);
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const Nanoseconds t_day_ns =
+      sample.t_ns != 0 ? sample.t_ns + wall_origin_ns_ : Nanoseconds{std::chrono::nanoseconds(now).count()};
+  append_openigtlink(sample, scene_, driven_, t_day_ns, bytes_);
   for (Client& client : clients_) {
     if (!client.unsent.empty()) continue;
     client.unsent = bytes_;
