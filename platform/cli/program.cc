@@ -116,6 +116,8 @@ void add_verbs(CLI::App& app, const ProgramParts& parts, ExitCode& code) {
 
 int run_program(int argc, char** argv, const ProgramParts& parts) {
   ExitCode code = ExitCode::not_available;
+  // Otherwise a warning would stand within a line of a table, where both streams go to one pipe.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (parts.engine != nullptr) wrap_engines(parts.engine);
   if (!keep_standard_descriptors()) {
     std::fputs(

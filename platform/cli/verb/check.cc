@@ -200,7 +200,6 @@ ExitCode check(RunOptions options, bool full) {
     print_margins(prepared.passivity);
     std::printf("for all details: godobject check --full\n");
   }
-  std::fflush(stdout);  // else a warning would stand within a line of the tables
   warn_of_top_speed(path, prepared.session->scene());
   warn_of_contacts_at_start(path, prepared.session->scene());
   for (const BusLoad& load : prepared.bus_loads)
@@ -244,7 +243,6 @@ ExitCode show_bus_load(const BusLoadOptions& options) {
   } else {
     for (const BusLoad& load : loads) print_bus_load(stdout, load);
   }
-  std::fflush(stdout);  // likewise
   ExitCode code = ExitCode::ok;
   for (const BusLoad& load : loads) {
     const bool refused = load.worst_percent > planned_load_percent && !options.allow_overload;
