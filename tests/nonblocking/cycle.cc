@@ -25,6 +25,7 @@
 #include "hal/joint/sync_attribution.cc"
 #include "hal/joint/transmission.cc"
 #include "hal/rig/fault.cc"
+#include "hal/rig/homing.cc"
 #include "hal/rig/receive.cc"
 #include "hal/rig/request.cc"
 #include "hal/rig/rig.cc"
