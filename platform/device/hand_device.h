@@ -166,7 +166,7 @@ class HandedMotion final : public HandDevice {
   PrescribedSamples joints_;
 };
 
-/// Limit for booting, s. A rig's own boot_timeout_s is shorter and reports the missing node.
+/// Least limit for booting, s. A device with a longer one prolongs it: HandDevice::boot_limit_s().
 inline constexpr double usual_boot_limit_s = 10;
 inline constexpr double shut_down_limit_s = 2;
 

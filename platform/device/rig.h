@@ -82,7 +82,8 @@ class RigDevice final : public HandDevice {
   /// Records the inputs of the rig from now on. Call it before the first period.
   void record(const LinkEventSink& sink) noexcept { link_.record(sink); }
 
-  std::optional<double> boot_limit_s() const noexcept override { return 0; }  // its own is shorter
+  /// Returns more than the rig's own limit, which names the missing node.
+  std::optional<double> boot_limit_s() const noexcept override { return params_.boot_timeout_s + 1; }
   void boot(Period& period) noexcept override;
   bool ready() const noexcept override { return rig_->state() == RigState::ready; }
   bool arm() noexcept override {

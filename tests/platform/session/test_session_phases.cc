@@ -12,8 +12,10 @@ namespace {
 class SessionPhases : public testing::Test {
  protected:
   SessionPhases() {
-    const LoadResult loaded = load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml");
-    Session::Made made = make_session(*loaded.scene, Motion(*loaded.scene), BusChoice::sim);
+    make(*load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml").scene);
+  }
+  void make(const SceneConfig& scene) {
+    Session::Made made = make_session(scene, Motion(scene), BusChoice::sim);
     session_ = std::move(made.session);
     record_ = session_->at_start();
   }
@@ -56,10 +58,19 @@ TEST_F(SessionPhases, StoppedWhileBootingNeverArms) {
   EXPECT_EQ(record_.cycle, 0u);
 }
 
-TEST_F(SessionPhases, BootIsGivenUpAfterItsLimit) {
-  session_->start(2e-3);
-  run_phase();
-  EXPECT_EQ(session_->phase(), RunPhase::running_down);
+/// Whatever limit the caller gives, the run ends by the fault of the rig, which names the node.
+TEST_F(SessionPhases, BootLastsUntilTheRigReportsTheMissingNode) {
+  for (const double boot_timeout_s : {0.5, 12.0}) {
+    SceneConfig scene = *load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml").scene;
+    scene.device->rig->boot_timeout_s = boot_timeout_s;
+    scene.faults = {{.verb = "unplug", .bus = "can0", .node_id = 2, .at = 0}};
+    make(scene);
+    EXPECT_FALSE(session_->boot(2e-3));
+    const Rig& rig = *session_->rig();
+    EXPECT_TRUE(any(rig.faults() & RigFault::boot_timeout));
+    EXPECT_EQ(rig.fault_log().first(RigFault::boot_timeout).place.node_id, 2);
+    EXPECT_NEAR(1e-9 * static_cast<double>(session_->bus_time_ns()), boot_timeout_s, shut_down_limit_s);
+  }
 }
 
 /// The engine keeps its state; the coupling engages with the ramp again.
