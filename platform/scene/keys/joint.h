@@ -157,6 +157,11 @@ void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig&
   visit_joint_springs(v, j);
 }
 
+/// True if the bodies of the joint exist.
+inline bool has_bodies(const SceneConfig& scene, const JointConfig& joint) {
+  return body_named(scene, joint.child) && (joint.parent == world_name || body_named(scene, joint.parent));
+}
+
 /// Checks a joint that closes a loop with earlier ones.
 template <class V>
 void check_loop(V& v, const JointConfig& j, const std::vector<std::string>& loop) {
@@ -191,12 +196,9 @@ template <class V>
 void visit_tool_joints(V& v, SceneConfig& s) {
   std::vector<std::string> bodies;
   for (const BodyConfig& body : s.bodies) bodies.push_back(body.name);
-  const auto is_body = [&](const std::string& name) {
-    return std::ranges::find(bodies, name) != bodies.end();
-  };
   std::set<std::string> names, coordinates;
   JointTree tree;
-  std::vector<JointConfig> all = s.joints;
+  std::vector<JointConfig> all = s.joints, without_bodies;
   all.insert(all.end(), s.loops.begin(), s.loops.end());
   s.joints.clear();
   s.loops.clear();
@@ -210,8 +212,7 @@ void visit_tool_joints(V& v, SceneConfig& s) {
              for (const std::string& q : j.coordinates)
                t.check(coordinates.insert(q).second, "coordinates",
                        "has '" + q + "', which is the name of another coordinate: choose another");
-             if (!is_body(j.child) || !(j.parent == world_name || is_body(j.parent)))
-               return s.joints.push_back(j);
+             if (!has_bodies(s, j)) return without_bodies.push_back(j);
              const JointTree::Added added = tree.add(j);
              t.check(added.why_not.empty(), "", added.why_not);
              if (!added.loop.empty()) {
@@ -232,6 +233,7 @@ void visit_tool_joints(V& v, SceneConfig& s) {
   s.bodies = parents_first(s.bodies, s.joints);
   place_children(s.bodies, s.joints);
   close_gaps(s.bodies, s.joints);
+  s.joints.insert(s.joints.end(), without_bodies.begin(), without_bodies.end());
   for (const JointConfig& j : s.loops) {
     const JointGap gap = gap_at_start(s.bodies, j);
     v.check(

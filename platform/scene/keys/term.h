@@ -102,6 +102,7 @@ void visit_gear(V& v, const SceneConfig& scene, GearConfig& g) {
   v.check(
       !a.joint->prescribed || !b.joint->prescribed, "",
       "both coordinates are imposed by the device, so that the gear has no effect: remove it, or impose one");
+  if (!has_bodies(scene, *a.joint) || !has_bodies(scene, *b.joint)) return;  // reported at the joint
   const auto at_start = [&](const CoordinateOfJoint& q) {
     return coordinates_at_start(scene.bodies, *q.joint)[static_cast<Eigen::Index>(q.number)];
   };

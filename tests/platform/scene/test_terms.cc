@@ -96,6 +96,16 @@ TEST(SceneTerms, BadGearsAreRefused) {
   EXPECT_THAT(errors("a = \"p\"\nb = \"q\"\n"), ElementsAre(HasSubstr("ratio")));
 }
 
+TEST(SceneTerms, AJointOfAnUnknownBodyIsTheOnlyError) {
+  for (const std::string child : {"x", "world", ""})
+    for (const std::string start : {"", "start = 0.4\n"}) {
+      const std::string joints =
+          joint("p", "hinge", "world", "a", start) + joint("q", "hinge", "world", child, start);
+      const std::string gear = table("gear", "g", "a = \"p\"\nb = \"q\"\nratio = 0.5\n");
+      EXPECT_THAT(errors_of(joints + gear), ElementsAre(HasSubstr("child"))) << child << start;
+    }
+}
+
 TEST(SceneTerms, JointSpringsActOnOneCoordinate) {
   const std::string spring = "[[joint.spring]]\nstiffness = 2.0\nrest = 0.3\n";
   const LoadResult loaded = parse_tool(bodies() + joint("p", "hinge", "world", "a", spring));
