@@ -81,7 +81,7 @@ void visit_joint_ends(V& v, const std::vector<std::string>& bodies, JointConfig&
           "is \"" + j.parent + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
   v.value(Key{.name = "child", .unit = "", .meaning = "child body", .required = true}, j.child);
   v.check(j.child != world_name, "child", "is the world, which cannot be a child: swap parent and child");
-  v.check(j.child.empty() || j.child == world_name || is_body(j.child), "child",
+  v.check(!v.understood("child") || j.child == world_name || is_body(j.child), "child",
           "is \"" + j.child + "\", which is not a body: admissible is " + quoted(bodies));
 }
 

@@ -187,7 +187,7 @@ void visit_attached_body(V& v, const std::vector<std::string>& bodies, const Net
               .required = true},
           a.body);
   const bool is_there = a.body == world_name || std::ranges::find(bodies, a.body) != bodies.end();
-  v.check(a.body.empty() || is_there, "body",
+  v.check(!v.understood("body") || is_there, "body",
           "is \"" + a.body + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
   v.check(!is_there || a.body != n.body, "body", "is the net's own: hold nodes there by [[net.held]]");
 }

@@ -26,7 +26,7 @@ void visit_body_name(V& v, const Key& key, const SceneConfig& scene, bool or_wor
   std::vector<std::string> bodies;
   for (const BodyConfig& body : scene.bodies) bodies.push_back(body.name);
   const bool known = body_named(scene, name) || (or_world && name == world_name);
-  v.check(known || (key.required && name.empty()), key.name,
+  v.check(known || (key.required && !v.understood(key.name)), key.name,
           "is \"" + name + "\", which is not a body: admissible is " + (or_world ? "\"world\", " : "") +
               quoted(bodies));
 }

@@ -196,6 +196,7 @@ TEST(NetKeys, AttachmentsThatAreWrongAreRefusedWithTheirPlace) {
   EXPECT_THAT(error_of(with("nedle", tip, ball)),
               testing::AllOf(HasSubstr("a.toml:26:8: "),
                              HasSubstr("not a body: admissible is \"world\", \"rod\", \"needle\"")));
+  EXPECT_THAT(error_of(with("", tip, ball)), HasSubstr("is \"\", which is not a body"));
   EXPECT_THAT(error_of(with("rod", tip, ball)), HasSubstr("hold nodes there by [[net.held]]"));
   EXPECT_THAT(error_of(with("needle", "[1.0, 0.0, 0.0]", ball)),
               testing::AllOf(HasSubstr("a.toml:28:10: "), HasSubstr("no node is inside the ball")));

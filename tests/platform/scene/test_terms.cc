@@ -106,6 +106,14 @@ TEST(SceneTerms, AJointOfAnUnknownBodyIsTheOnlyError) {
     }
 }
 
+TEST(SceneTerms, AnEmptyNameIsNoBody) {
+  for (const char* end : {"a = \"\"\nb = \"b\"\n", "a = \"a\"\nb = \"\"\n"})
+    EXPECT_THAT(errors_of(table("spring", "s", std::string(end) + "stiffness = 1.0\n")),
+                ElementsAre(HasSubstr("not a body")));
+  EXPECT_THAT(errors_of(table("force", "f", "body = \"\"\nforce = [1.0, 0.0, 0.0]\n")),
+              ElementsAre(HasSubstr("not a body")));
+}
+
 TEST(SceneTerms, JointSpringsActOnOneCoordinate) {
   const std::string spring = "[[joint.spring]]\nstiffness = 2.0\nrest = 0.3\n";
   const LoadResult loaded = parse_tool(bodies() + joint("p", "hinge", "world", "a", spring));

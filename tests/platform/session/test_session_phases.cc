@@ -11,9 +11,7 @@ namespace {
 
 class SessionPhases : public testing::Test {
  protected:
-  SessionPhases() {
-    make(*load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml").scene);
-  }
+  SessionPhases() { make(*load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml").scene); }
   void make(const SceneConfig& scene) {
     Session::Made made = make_session(scene, Motion(scene), BusChoice::sim);
     session_ = std::move(made.session);
