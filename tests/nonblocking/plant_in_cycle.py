@@ -23,7 +23,7 @@ PLANTS = [
     ("decode, encoder", "hal/rig/receive.cc",
      "void Rig::on_position(RigNode& node, const CanFrame& frame, const SyncAttribution::Answer& answer) noexcept {"),
     ("supervise", "hal/rig/supervise.cc", "void Rig::supervise(Nanoseconds now) noexcept {"),
-    ("limit", "hal/drive/drive.cc", "DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) const noexcept {"),
+    ("limit", "hal/drive/drive.cc", "DriveCommand Drive::plan(double tau_joint, DriveGoal goal, Nanoseconds now) noexcept {"),
     ("encode, CiA 402", "hal/drive/cia402_link.cc",
      "DriveFrame Cia402Link::command(const DriveOrder& order, Nanoseconds now) const noexcept {"),
     ("encode, ODrive", "hal/drive/odrive.cc", "DriveFrame OdriveLink::command(const DriveOrder& order, Nanoseconds now) const noexcept {"),

@@ -52,7 +52,7 @@ TEST_F(OneClock, OfRecordTraceAndReport) {
   }
   ASSERT_GT(apart.size(), 300u);
   std::ranges::sort(apart);
-  // The shortest contains the difference of the clocks, and least of the machine's delay before a frame is sent.
+  // The shortest has the difference of the clocks, and least of the delay before a frame is sent.
   std::printf("SYNC in the record after its period in the trace: median %.1f us, shortest %.1f us\n",
               1e6 * apart[apart.size() / 2], 1e6 * apart.front());
   EXPECT_LT(apart.front(), 1e-4);
