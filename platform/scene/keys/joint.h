@@ -71,18 +71,24 @@ void visit_stop(V& v, const JointConfig& j, StopConfig& s) {
   v.value(Key{"width", "rad or m", "travel over which both rise from zero", positive, true}, s.params.width);
 }
 
+/// Checks that the value of a key names a body, or the world where that is admissible. No second error is
+/// reported for a key that is missing or has one.
+template <class V>
+void check_body_name(V& v, std::string_view key, const std::vector<std::string>& bodies, bool or_world,
+                     const std::string& name) {
+  const bool known = (or_world && name == world_name) || std::ranges::find(bodies, name) != bodies.end();
+  v.check(known || !v.understood(key), key,
+          "is \"" + name + "\", which is not a body: admissible is " + (or_world ? "\"world\", " : "") +
+              quoted(bodies));
+}
+
 template <class V>
 void visit_joint_ends(V& v, const std::vector<std::string>& bodies, JointConfig& j) {
-  const auto is_body = [&](const std::string& name) {
-    return std::ranges::find(bodies, name) != bodies.end();
-  };
   v.value(Key{"parent", "", "parent body, or \"world\""}, j.parent);
-  v.check(j.parent == world_name || is_body(j.parent), "parent",
-          "is \"" + j.parent + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
+  check_body_name(v, "parent", bodies, true, j.parent);
   v.value(Key{.name = "child", .unit = "", .meaning = "child body", .required = true}, j.child);
   v.check(j.child != world_name, "child", "is the world, which cannot be a child: swap parent and child");
-  v.check(!v.understood("child") || j.child == world_name || is_body(j.child), "child",
-          "is \"" + j.child + "\", which is not a body: admissible is " + quoted(bodies));
+  check_body_name(v, "child", bodies, false, j.child);
 }
 
 template <class V>

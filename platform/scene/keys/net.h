@@ -17,8 +17,7 @@ inline constexpr double advised_hold = 0.02;
 template <class V>
 void visit_net_carrier(V& v, const std::vector<std::string>& bodies, NetConfig& n) {
   v.value(Key{"body", "", "carrier: a body, or \"world\""}, n.body);
-  v.check(n.body == world_name || std::ranges::find(bodies, n.body) != bodies.end(), "body",
-          "is \"" + n.body + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
+  check_body_name(v, "body", bodies, true, n.body);
   visit_pose(v, "position", "orientation_wxyz", "the net's frame on its body, or in the world", n.X_BF);
 }
 
@@ -186,10 +185,9 @@ void visit_attached_body(V& v, const std::vector<std::string>& bodies, const Net
               .meaning = "another body than the net's, or \"world\"",
               .required = true},
           a.body);
-  const bool is_there = a.body == world_name || std::ranges::find(bodies, a.body) != bodies.end();
-  v.check(!v.understood("body") || is_there, "body",
-          "is \"" + a.body + "\", which is not a body: admissible is \"world\", " + quoted(bodies));
-  v.check(!is_there || a.body != n.body, "body", "is the net's own: hold nodes there by [[net.held]]");
+  check_body_name(v, "body", bodies, true, a.body);
+  v.check(!v.understood("body") || a.body != n.body, "body",
+          "is the net's own: hold nodes there by [[net.held]]");
 }
 
 template <class V>

@@ -25,10 +25,7 @@ void visit_body_name(V& v, const Key& key, const SceneConfig& scene, bool or_wor
   v.value(key, name);
   std::vector<std::string> bodies;
   for (const BodyConfig& body : scene.bodies) bodies.push_back(body.name);
-  const bool known = body_named(scene, name) || (or_world && name == world_name);
-  v.check(known || (key.required && !v.understood(key.name)), key.name,
-          "is \"" + name + "\", which is not a body: admissible is " + (or_world ? "\"world\", " : "") +
-              quoted(bodies));
+  check_body_name(v, key.name, bodies, or_world, name);
 }
 
 /// Returns the position of a point of a body, or of the world, at the start.
