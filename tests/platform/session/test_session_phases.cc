@@ -56,7 +56,33 @@ TEST_F(SessionPhases, StoppedWhileBootingNeverArms) {
   EXPECT_EQ(record_.cycle, 0u);
 }
 
-/// Whatever limit the caller gives, the run ends by the fault of the rig, which names the node.
+/// A device that is never ready.
+class DeadDevice final : public HandDevice {
+ public:
+  explicit DeadDevice(double boot_limit_s) : boot_limit_s_(boot_limit_s) {}
+  std::optional<double> boot_limit_s() const noexcept override { return boot_limit_s_; }
+  bool ready() const noexcept override { return false; }
+  void read(Period&, std::span<BodySample>) noexcept override {}
+  bool makes_torque() const noexcept override { return true; }
+
+ private:
+  double boot_limit_s_;
+};
+
+TEST(DevicePhases, BootIsGivenUpAfterTheLongestLimit) {
+  for (const double boot_limit_s : {0.0, 2e-3, 5e-3}) {
+    DeadDevice device(boot_limit_s);
+    DevicePhases phases(1e-3);
+    phases.add(device);
+    phases.start(2e-3);
+    int periods = 0;
+    for (; phases.phase() == RunPhase::booting && periods < 100; ++periods) phases.advance(0);
+    EXPECT_EQ(periods, boot_limit_s == 5e-3 ? 5 : 2);
+    EXPECT_EQ(phases.phase(), RunPhase::running_down);
+  }
+}
+
+/// A shorter limit of the caller does not end the boot before the fault of the rig, which names the node.
 TEST_F(SessionPhases, BootLastsUntilTheRigReportsTheMissingNode) {
   for (const double boot_timeout_s : {0.5, 12.0}) {
     SceneConfig scene = *load_scene(GODOBJECT_SOURCE_DIR "/sim/scenes/rigid.toml").scene;
