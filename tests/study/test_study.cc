@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <regex>
 
 #include "tests/study/map/section.h"
 #include "tests/study/peer/section.h"
@@ -239,6 +240,48 @@ TEST(Study, QuickRunWritesTablesFiguresAndReport) {
   expect_nets(run);
   expect_figures(run);
   expect_report(run);
+}
+
+std::vector<std::string> cells_of(const std::string& line, char separator) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == separator) cells.emplace_back();
+    else cells.back() += c;
+  }
+  return cells;
+}
+
+/// Returns the lines of a CSV file or of a page without the cells of columns that are times.
+std::vector<std::string> lines_without_times(const fs::path& file) {
+  const bool is_csv = file.extension() == ".csv";
+  std::vector<std::string> lines, head;
+  for (const std::string& line : lines_of(file)) {
+    std::vector<std::string> cells = cells_of(line, is_csv ? ',' : '|');
+    if (head.size() != cells.size() || cells.size() == 1) head = cells;
+    std::string rest;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (!std::regex_search(head[i], std::regex("^ ?[nu]s|time, %"))) rest += cells[i] + '|';
+    lines.push_back(rest);
+  }
+  return lines;
+}
+
+TEST(Study, ASecondRunDiffersInTimesAlone) {
+  const QuickRun first, second;
+  int num_files = 0;
+  for (const fs::path& folder : {fs::path("out"), fs::path("docs")})
+    for (const auto& file : fs::recursive_directory_iterator(first.folder.path() / folder)) {
+      const fs::path extension = file.path().extension();
+      if (extension != ".csv" && extension != ".md") continue;
+      ++num_files;
+      const std::vector<std::string> lines = lines_without_times(file.path()),
+                                     again =
+                                         lines_without_times(second.folder.path() /
+                                                             fs::relative(file.path(), first.folder.path()));
+      ASSERT_GT(lines.size(), 1u) << file;
+      EXPECT_EQ(lines, again) << file;
+    }
+  EXPECT_GT(num_files, 10);
 }
 
 /// Returns the compositions with one body. counted: probe that counts instructions.

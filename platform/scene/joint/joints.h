@@ -107,6 +107,11 @@ class JointTree {
   std::vector<Edge> edges_;
 };
 
+/// True if the bodies of the joint exist.
+inline bool has_bodies(const SceneConfig& scene, const JointConfig& joint) {
+  return body_named(scene, joint.child) && (joint.parent == world_name || body_named(scene, joint.parent));
+}
+
 /// Returns the bodies with every parent before its children, otherwise in their order. joints: a tree.
 std::vector<BodyConfig> parents_first(const std::vector<BodyConfig>& bodies,
                                       const std::vector<JointConfig>& joints);

@@ -38,23 +38,35 @@ struct Place {
 
 class DeviceBuilder {
  public:
-  explicit DeviceBuilder(const SceneConfig& scene) : scene_(scene) { places_[world_name] = {base_name, {}}; }
+  explicit DeviceBuilder(const SceneConfig& scene)
+      : scene_(scene), misses_bodies_(!std::ranges::all_of(scene.joints, [&](const JointConfig& joint) {
+          return has_bodies(scene, joint);
+        })) {
+    places_[world_name] = {base_name, {}};
+  }
 
   DeviceTree build() {
     for (const BodyConfig& body : scene_.bodies) {
       const auto joint = std::ranges::find(scene_.joints, body.name, &JointConfig::child);
-      if (joint != scene_.joints.end()) add(*joint);
+      if (joint != scene_.joints.end() && places_.contains(joint->parent))
+        add(*joint, places_[joint->parent]);
     }
+    if (misses_bodies_) add_joints_without_place();
     for (const std::size_t body : driven_bodies(scene_)) hold(scene_.bodies[body].name);
     return std::move(device_);
   }
 
  private:
+  /// Adds joints that nothing connects to the world, so that their coordinates are known where others name
+  /// them: the name of a missing body is the error, and not all that depends on its joint.
+  void add_joints_without_place() {
+    for (const JointConfig& joint : scene_.joints)
+      if (!places_.contains(joint.child)) add(joint, places_[world_name]);
+  }
+
   /// Adds the coordinates of a joint one after the other, from the parent's frame to the child's.
-  void add(const JointConfig& joint) {
-    const auto parent = places_.find(joint.parent);
-    if (parent == places_.end()) return;  // no joint connects it to the world
-    Place at{parent->second.link, parent->second.X_LB * joint.X_BP};
+  void add(const JointConfig& joint, const Place& parent) {
+    Place at{parent.link, parent.X_LB * joint.X_BP};
     if (is_ball(joint.kind)) {
       device_.errors.push_back("joint '" + joint.name +
                                "' is a ball joint, which encoders cannot measure: describe the device by "
@@ -81,6 +93,8 @@ class DeviceBuilder {
     const bool moves = at != places_.end() && at->second.link != base_name;
     if (moves) {
       device_.tree.handles.push_back({.body = body, .joint = at->second.link, .X_LH = at->second.X_LB});
+    } else if (misses_bodies_) {
+      device_.tree.handles.push_back({.body = body, .joint = base_name, .X_LH = {}});
     } else if (device_.errors.empty()) {
       device_.errors.push_back("no joints with coordinates connect the world to body '" + body +
                                "', so no handle can move it: describe the device by [[device.joint]] and "
@@ -89,6 +103,7 @@ class DeviceBuilder {
   }
 
   const SceneConfig& scene_;
+  const bool misses_bodies_;  // a joint names a body that is not there, which is reported at the joint
   std::map<std::string, Place> places_;
   DeviceTree device_;
 };

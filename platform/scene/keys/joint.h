@@ -163,11 +163,6 @@ void visit_tool_joint(V& v, const std::vector<std::string>& bodies, JointConfig&
   visit_joint_springs(v, j);
 }
 
-/// True if the bodies of the joint exist.
-inline bool has_bodies(const SceneConfig& scene, const JointConfig& joint) {
-  return body_named(scene, joint.child) && (joint.parent == world_name || body_named(scene, joint.parent));
-}
-
 /// Checks a joint that closes a loop with earlier ones.
 template <class V>
 void check_loop(V& v, const JointConfig& j, const std::vector<std::string>& loop) {

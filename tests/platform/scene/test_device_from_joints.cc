@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <random>
+#include <regex>
 
 #include "hal/joint/kinematic_tree.h"
 #include "platform/motion/motion.h"
+#include "platform/scene/toml.h"
+#include "tests/support/program.h"
 #include "tests/support/tool_scene.h"
 
 namespace godobject::test::test_device_from_joints {
@@ -29,6 +33,24 @@ TEST(DeviceFromJoints, WhatHasNoEncoderOrDoesNotMoveIsRefused) {
   EXPECT_THAT(
       parse_tool(body("a") + body("b", coupling) + joint("p", "hinge", "world", "a") + encoder).errors,
       testing::Contains(HasSubstr("connect the world to body 'b'")));
+}
+
+TEST(DeviceFromJoints, AMisspeltBodyOfAJointIsOneErrorInEveryShippedScene) {
+  int num_names = 0;
+  for (const auto& file : std::filesystem::directory_iterator(GODOBJECT_SOURCE_DIR "/sim/scenes")) {
+    if (file.path().extension() != ".toml") continue;
+    const std::string scene = read_file(file.path());
+    const std::regex name_of_body("\n(child|parent) = \"[a-z_]*");
+    for (std::sregex_iterator at(scene.begin(), scene.end(), name_of_body), end; at != end;
+         ++at, ++num_names) {
+      std::string misspelt = scene;
+      misspelt.insert(static_cast<std::size_t>(at->position() + at->length()), "qq");
+      EXPECT_THAT(parse_scene(misspelt, file.path().string()).errors,
+                  ElementsAre(AllOf(HasSubstr(at->str(1)), HasSubstr("which is not a body"))))
+          << at->str().substr(1) << "qq";
+    }
+  }
+  EXPECT_GT(num_names, 20);
 }
 
 TEST(DeviceFromJoints, NoCoordinateIsCalledLikeTheBase) {

@@ -66,7 +66,7 @@ void write_nets(std::ostream& out, const NetResults& nets) {
   }
   out << "\nWhat a node costs, S6: a tube pressed on a bar, more nodes of the "
          "same stuff:\n\n"
-         "| nodes | integrator | us/step | 99 % | iterations | contacts | instr./step |\n"
+         "| nodes | integrator | us/step | us, 99 % | iterations | contacts | instr./step |\n"
          "|---|---|---|---|---|---|---|\n";
   for (const NetCostRow& r : nets.costs)
     out << "| " << r.nodes << " | " << r.integrator << " | " << number(1e-3 * r.ns_per_step) << " | "
