@@ -227,21 +227,6 @@ void expect_nets(const QuickRun& run) {
   }
 }
 
-TEST(Study, QuickRunWritesTablesFiguresAndReport) {
-  const QuickRun run;
-  expect_sane_errors(run);
-  EXPECT_EQ(lines_of(run.out("stability.csv")).size(), run.results.stability.size() + 1);
-  expect_implicit_integrators_gain_nothing(run);
-  expect_joints_held(run);
-  expect_costs(run);
-  expect_contacts(run);
-  expect_no_undetected_gain_or_motion(run);
-  expect_random(run);
-  expect_nets(run);
-  expect_figures(run);
-  expect_report(run);
-}
-
 std::vector<std::string> cells_of(const std::string& line, char separator) {
   std::vector<std::string> cells(1);
   for (const char c : line) {
@@ -266,8 +251,8 @@ std::vector<std::string> lines_without_times(const fs::path& file) {
   return lines;
 }
 
-TEST(Study, ASecondRunDiffersInTimesAlone) {
-  const QuickRun first, second;
+void expect_another_run_to_differ_in_times_alone(const QuickRun& first) {
+  const QuickRun second;
   int num_files = 0;
   for (const fs::path& folder : {fs::path("out"), fs::path("docs")})
     for (const auto& file : fs::recursive_directory_iterator(first.folder.path() / folder)) {
@@ -278,10 +263,26 @@ TEST(Study, ASecondRunDiffersInTimesAlone) {
                                      again =
                                          lines_without_times(second.folder.path() /
                                                              fs::relative(file.path(), first.folder.path()));
-      ASSERT_GT(lines.size(), 1u) << file;
+      ASSERT_FALSE(lines.empty()) << file;
       EXPECT_EQ(lines, again) << file;
     }
   EXPECT_GT(num_files, 10);
+}
+
+TEST(Study, QuickRunWritesTablesFiguresAndReport) {
+  const QuickRun run;
+  expect_sane_errors(run);
+  EXPECT_EQ(lines_of(run.out("stability.csv")).size(), run.results.stability.size() + 1);
+  expect_implicit_integrators_gain_nothing(run);
+  expect_joints_held(run);
+  expect_costs(run);
+  expect_contacts(run);
+  expect_no_undetected_gain_or_motion(run);
+  expect_random(run);
+  expect_nets(run);
+  expect_figures(run);
+  expect_report(run);
+  expect_another_run_to_differ_in_times_alone(run);
 }
 
 /// Returns the compositions with one body. counted: probe that counts instructions.

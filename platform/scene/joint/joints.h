@@ -1,6 +1,7 @@
 // Joints of a scene: properties of their kinds, parameters for core, their tree, and the implied device.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -110,6 +111,13 @@ class JointTree {
 /// True if the bodies of the joint exist.
 inline bool has_bodies(const SceneConfig& scene, const JointConfig& joint) {
   return body_named(scene, joint.child) && (joint.parent == world_name || body_named(scene, joint.parent));
+}
+
+/// True if the bodies of every joint exist. Otherwise an error at the joint names the missing body, and checks
+/// that depend on how bodies are joined are left out.
+inline bool joints_have_bodies(const SceneConfig& scene) {
+  return std::ranges::all_of(scene.joints,
+                             [&](const JointConfig& joint) { return has_bodies(scene, joint); });
 }
 
 /// Returns the bodies with every parent before its children, otherwise in their order. joints: a tree.

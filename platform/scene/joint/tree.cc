@@ -39,9 +39,7 @@ struct Place {
 class DeviceBuilder {
  public:
   explicit DeviceBuilder(const SceneConfig& scene)
-      : scene_(scene), misses_bodies_(!std::ranges::all_of(scene.joints, [&](const JointConfig& joint) {
-          return has_bodies(scene, joint);
-        })) {
+      : scene_(scene), misses_bodies_(!joints_have_bodies(scene)) {
     places_[world_name] = {base_name, {}};
   }
 
@@ -103,7 +101,7 @@ class DeviceBuilder {
   }
 
   const SceneConfig& scene_;
-  const bool misses_bodies_;  // a joint names a body that is not there, which is reported at the joint
+  const bool misses_bodies_;
   std::map<std::string, Place> places_;
   DeviceTree device_;
 };

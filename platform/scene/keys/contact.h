@@ -8,6 +8,7 @@
 #include "core/contact/contact.h"
 #include "platform/scene/checks.h"
 #include "platform/scene/contact/params.h"
+#include "platform/scene/joint/joints.h"
 #include "platform/scene/mesh/file.h"
 #include "platform/scene/scene.h"
 #include "platform/scene/text/key.h"
@@ -236,7 +237,7 @@ void visit_contacts(V& v, SceneConfig& s) {
   v.check(used.size() <= max_materials, "",
           "the scene has " + std::to_string(used.size()) + " materials; at most " +
               std::to_string(max_materials) + " are possible");
-  if (used.size() > max_materials) return;
+  if (used.size() > max_materials || !joints_have_bodies(s)) return;
   for (const MaterialPair& pair : pairs_that_meet(s))
     v.check(contact_of(s, pair.a.material, pair.b.material) != nullptr, "",
             "materials '" + pair.a.material + "' (" + pair.a.where + ") and '" + pair.b.material + "' (" +
