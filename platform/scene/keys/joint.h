@@ -215,7 +215,8 @@ void visit_tool_joints(V& v, SceneConfig& s) {
                        "has '" + q + "', which is the name of another coordinate: choose another");
              if (!has_bodies(s, j)) return without_bodies.push_back(j);
              const JointTree::Added added = tree.add(j);
-             t.check(added.why_not.empty(), "", added.why_not);
+             // a joint without its bodies may be that which makes this one the last of a loop
+             t.check(added.why_not.empty() || !without_bodies.empty(), "", added.why_not);
              if (!added.loop.empty()) {
                check_loop(t, j, added.loop);
                return s.loops.push_back(j);
