@@ -64,6 +64,10 @@ constexpr std::array<RigFaultText, num_rig_faults> texts{{
      "valid from then on",
      "shorten the step; soften couplings, contacts or stops; lower the ratio of masses in an articulated "
      "tool"},
+    {RigFault::joint_beyond_range, "joint_beyond_range",
+     "a joint is beyond lower or upper by more than a tenth of its range for longer than stale_after",
+     "check zero, sign and counts_per_unit of its sensor; home an incremental sensor again; correct lower "
+     "and upper of the joint"},
 }};
 
 }  // namespace

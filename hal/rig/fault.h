@@ -34,8 +34,9 @@ enum class RigFault : std::uint32_t {
   deadlines_missed = 1u << 15,
   force_oscillates = 1u << 16,
   energy_gained = 1u << 17,
+  joint_beyond_range = 1u << 18,
 };
-inline constexpr std::size_t num_rig_faults = 18;
+inline constexpr std::size_t num_rig_faults = 19;
 
 constexpr RigFault operator|(RigFault a, RigFault b) noexcept {
   return static_cast<RigFault>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -59,7 +60,7 @@ constexpr RigEvent event_of(RigFault fault) noexcept {
 
 /// Faults after which --rearm auto does not arm: every emergency stop, and faults that would recur.
 inline constexpr RigFault never_rearmed = [] {
-  RigFault faults = RigFault::force_oscillates | RigFault::energy_gained;
+  RigFault faults = RigFault::force_oscillates | RigFault::energy_gained | RigFault::joint_beyond_range;
   for (std::size_t i = 0; i < num_rig_faults; ++i) {
     const auto fault = static_cast<RigFault>(1u << i);
     if (event_of(fault) == RigEvent::quick_stop) faults = faults | fault;

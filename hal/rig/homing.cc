@@ -13,12 +13,8 @@ void Rig::add_homed_joints() {
     if (!is_incremental(params_, name)) continue;
     const double counts = rest_travel_counts / sensor_of(params_, name)->counts_per_unit;
     const double travel = is_rotary(params_, name) ? rest_travel_rad : rest_travel_m;
-    const auto encoder = std::ranges::find(params_.encoders, name, &EncoderParams::joint);
-    const std::size_t node =
-        encoder != params_.encoders.end()
-            ? encoders_[static_cast<std::size_t>(encoder - params_.encoders.begin())].node
-            : drives_[*drive_of(params_, name)].node;
-    homed_joints_.push_back({.joint = joint, .node = node, .rest = RestWatch(travel + counts)});
+    homed_joints_.push_back(
+        {.joint = joint, .node = measured_[joint].node, .rest = RestWatch(travel + counts)});
   }
 }
 

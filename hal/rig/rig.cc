@@ -70,12 +70,13 @@ Rig::Rig(const RigParams& params, double cycle_s, std::span<CanBus* const> buses
   // an encoder on the joint takes precedence over the drive's position
   for (DriveOnBus& drive : drives_) {
     sensors_[static_cast<std::size_t>(drive.joint)] = &drive.drive.position();
-    measured_[static_cast<std::size_t>(drive.joint)].every_nth_sync = drive.every_nth_sync;
+    measured_[static_cast<std::size_t>(drive.joint)] = {.every_nth_sync = drive.every_nth_sync,
+                                                        .node = drive.node};
   }
   for (std::size_t i = 0; i < encoders_.size(); ++i) {
     const auto joint = static_cast<std::size_t>(joint_named(params.encoders[i].joint));
     sensors_[joint] = &encoders_[i].encoder;
-    measured_[joint].every_nth_sync = 1;
+    measured_[joint] = {.every_nth_sync = 1, .node = encoders_[i].node};
   }
   add_homed_joints();
   q_dot_ = JointVector::Zero(static_cast<Eigen::Index>(num_joints()));
@@ -177,6 +178,7 @@ DeviceSample Rig::read(Nanoseconds now) noexcept {
   }
   out.q = transmission_.joints(out.q);
   out.q_dot = transmission_.joints(out.q_dot);
+  check_ranges(out, now);
   q_dot_ = out.q_dot;
   configuration_ = tree_.at(out.q);
   const double ahead_s = params_.compensation.ahead_s;

@@ -279,6 +279,7 @@ class Rig {
             Nanoseconds now) const noexcept;
   bool measured_anew(std::size_t joint, const JointSample& sample) noexcept;
   void check_slip(DriveOnBus& drive, Nanoseconds now) noexcept;
+  void check_ranges(const DeviceSample& sample, Nanoseconds now) noexcept;
   void check_drives() noexcept;
   void check_drive_error(const DriveOnBus& drive) noexcept;
   bool failed_on_the_way(DriveOnBus& drive, Nanoseconds now) noexcept;
@@ -311,6 +312,8 @@ class Rig {
     std::uint64_t reads_ago = 0;  // number of reads since it was new
     double q = 0;                 // rad or m
     bool valid = false;
+    std::size_t node = 0;         // of the sensor
+    Nanoseconds t_within_ns = 0;  // last time at which the joint was not beyond its range
   };
   std::array<Encoder*, max_joints> sensors_{};  // by joint: its encoder, otherwise its drive
   std::array<Measured, max_joints> measured_{};

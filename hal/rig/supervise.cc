@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "hal/rig/rig.h"
 
@@ -10,6 +11,7 @@ namespace godobject {
 namespace {
 
 constexpr Nanoseconds nmt_retry_ns = 250'000'000;
+constexpr double range_margin = 0.1;  // of a joint's range, beyond each end
 
 bool is_enabled(const Drive& drive) noexcept { return drive.state() == MotorState::enabled; }
 
@@ -96,6 +98,21 @@ void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
   if (!known || std::abs(apart - drive.apart) <= drive.max_slip + travel) drive.t_agreed_ns = now;
   else if (static_cast<double>(now - drive.t_agreed_ns) > 1e9 * params_.stale_after_s)
     raise(RigFault::sensors_disagree, nodes_[drive.node]);
+}
+
+// Compares joints with their ranges. The margin is for ends that give way. Beyond it the zero, the sign or the
+// scale of a sensor is wrong, and forces would act in wrong places. A joint without a range has no bounds.
+void Rig::check_ranges(const DeviceSample& sample, Nanoseconds now) noexcept {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < num_joints(); ++i) {
+    const DeviceJoint& joint = params_.tree.joints[i];
+    const double lower = joint.lower.value_or(-infinity), upper = joint.upper.value_or(infinity);
+    const double margin = range_margin * (upper - lower), q = sample.q(static_cast<Eigen::Index>(i));
+    const bool is_beyond = q < lower - margin || q > upper + margin;
+    if (!sample.valid || !nodes_were_up() || !is_beyond) measured_[i].t_within_ns = now;
+    else if (static_cast<double>(now - measured_[i].t_within_ns) > 1e9 * params_.stale_after_s)
+      raise(RigFault::joint_beyond_range, nodes_[measured_[i].node]);
+  }
 }
 
 void Rig::check_drives() noexcept {

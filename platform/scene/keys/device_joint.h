@@ -36,11 +36,12 @@ void visit_joint(V& v, const RigNames& names, DeviceJoint& j) {
   visit_pose(v, "position", "orientation_wxyz", "the joint's frame on the parent's link, at coordinate 0",
              j.X_PJ);
   v.unit_vector(Key{"axis", "", "unit vector in the joint's frame"}, j.axis_J);
-  v.value(Key{.name = "lower",
-              .unit = "rad or m",
-              .meaning = "lower end of its range, for the margins of `check`",
-              .otherwise = "the start, of a hinge half a turn less"},
-          j.lower);
+  v.value(
+      Key{.name = "lower",
+          .unit = "rad or m",
+          .meaning = "lower end of its range, for the margins of `check` and the fault `joint_beyond_range`",
+          .otherwise = "the start, of a hinge half a turn less"},
+      j.lower);
   v.value(Key{.name = "upper",
               .unit = "rad or m",
               .meaning = "upper end",
