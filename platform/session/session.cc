@@ -231,6 +231,7 @@ CycleRecord Session::at_start() const {
   }
   if (lists_contacts_) record.touching.resize(engine_->composition().all_contacts());
   if (lists_net_nodes_) record.net_nodes.resize(engine_->nets().nodes.size());
+  if (lists_inputs_) record.samples.resize(samples_.size());
   observe(record);
   return record;
 }

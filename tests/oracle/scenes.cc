@@ -1,5 +1,6 @@
 #include "tests/oracle/scenes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -22,6 +23,17 @@ Signal sine(double t, double amplitude, double frequency_Hz, double phase) {
 }
 
 Quaterniond turn(const Vector3d& axis, double angle) { return Quaterniond(Eigen::AngleAxisd(angle, axis)); }
+
+/// Returns J_l(r) r_d, the angular velocity of the turn by r: J_l = I + (1 - cos a) / a^2 [r]x
+/// + (a - sin a) / a^3 [r]x^2, a = |r|.
+Vector3d rate_of_turn(const Vector3d& r, const Vector3d& r_d) {
+  const double a = r.norm(), half = std::sin(a / 2), a_sq = a * a;
+  // the series where the differences cancel
+  const double first = a < 1e-3 ? 0.5 - a_sq / 24 : 2 * half * half / a_sq;
+  const double second = a < 0.05 ? 1.0 / 6 - a_sq / 120 + a_sq * a_sq / 5040 : (a - std::sin(a)) / (a_sq * a);
+  const Vector3d across = r.cross(r_d);
+  return r_d + first * across + second * r.cross(across);
+}
 
 }  // namespace
 
@@ -64,6 +76,36 @@ Case scene_s1() {
   Case scene;
   scene.bodies = {tool};
   return scene;
+}
+
+RigidState lissajous_device(double t) {
+  const Signal x = sine(t, 0.05, 1, 0), y = sine(t, 0.05, 1.3, 0.4), z = sine(t, 0.03, 0.7, 0);
+  const Signal r_x = sine(t, 0.6, 1, 0), r_y = sine(t, 0.5, 1.1, 0), yaw = sine(t, 1.2, 0.9, 0);
+  const Vector3d r(r_x.value, r_y.value, 0), r_d(r_x.rate, r_y.rate, 0);
+  const Quaterniond qz = turn(Vector3d::UnitZ(), yaw.value);
+  const double angle = r.norm();
+
+  RigidState D;
+  D.p = {x.value, y.value, z.value};
+  D.v = {x.rate, y.rate, z.rate};
+  D.q = angle > 0 ? qz * turn(r / angle, angle) : qz;
+  D.w = yaw.rate * Vector3d::UnitZ() + qz * rate_of_turn(r, r_d);
+  return D;
+}
+
+std::shared_ptr<const Target> press_device() {
+  constexpr double lowered_by = 0.04, within = 0.5;  // m, s
+  const auto motion = [](double t) {
+    const double s = std::min(t / within, 1.0);
+    const Signal rock = sine(t, 0.15, 1, 0);
+    RigidState D;
+    D.p.z() = 0.03 - lowered_by * s * s * (3 - 2 * s);
+    D.v.z() = -lowered_by / within * 6 * s * (1 - s);
+    D.q = turn(Vector3d::UnitY(), rock.value);
+    D.w.y() = rock.rate;
+    return D;
+  };
+  return std::make_shared<FunctionTarget>(motion, std::vector{within});
 }
 
 RigidState grasper_device(std::size_t body, double t) {

@@ -1,6 +1,5 @@
 // godobject-study: error against run time, stability maps, footprint, and their report.
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -36,7 +35,6 @@ std::string machine_text() {
 }
 
 study::StudyOptions study_options(const StudyArguments& a) {
-  const char* const shared = std::getenv("GODOBJECT_SHARED");
   study::StudyOptions options;
   options.error = a.part == "all" || a.part == "error";
   options.stability = a.part == "all" || a.part == "stability";
@@ -47,7 +45,6 @@ study::StudyOptions study_options(const StudyArguments& a) {
   options.quick = a.quick;
   options.out = a.out;
   options.report = a.report;
-  options.shared = shared != nullptr ? shared : "../shared";
   options.machine = machine_text();
   options.command = command_of(a);
   return options;

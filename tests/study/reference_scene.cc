@@ -1,8 +1,10 @@
 #include "tests/study/reference_scene.h"
 
-#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
 
-#include "tests/oracle/case/reference_case.h"
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
 #include "tests/study/joint/scene.h"
@@ -35,6 +37,18 @@ ReferenceScene coupling_step() {
   return scene;
 }
 
+/// Scene of sim/scenes/reference/coupling-lissajous.toml.
+ReferenceScene coupling_lissajous() {
+  ReferenceScene scene = coupling_step();
+  scene.name = "coupling-lissajous";
+  scene.about = "a very slender body on a moving target";
+  scene.duration = 2;
+  oracle::Body& tool = scene.problem.bodies.front();
+  tool.coupling->target = std::make_shared<oracle::FunctionTarget>(oracle::lissajous_device);
+  tool.start = oracle::lissajous_device(0);
+  return scene;
+}
+
 /// Scene of sim/scenes/reference/torque-free.toml: rotating about its intermediate axis.
 ReferenceScene torque_free() {
   oracle::Body body;
@@ -49,6 +63,52 @@ ReferenceScene torque_free() {
                        .problem = {},
                        .duration = 4};
   scene.problem.bodies = {body};
+  return scene;
+}
+
+/// Scene of sim/scenes/reference/chain-5.toml, as long as runs from equal starts stay together.
+ReferenceScene chain_5() {
+  constexpr double length = 0.1;
+  const Vector3d end(0, 0, length / 2);
+  ReferenceScene scene{.name = "chain-5",
+                       .about = "five links on ball joints, the last ten times heavier",
+                       .problem = {},
+                       .duration = 0.5};
+  scene.problem.gravity = {0, 0, -9.81};
+  for (std::size_t i = 0; i < 5; ++i) {
+    const double m = i == 4 ? 0.5 : 0.05;
+    oracle::Body link;
+    link.name = "link" + std::to_string(i);
+    link.m = m;
+    link.I_B = m * Vector3d(8.41666666667e-04, 8.41666666667e-04, 1.66666666667e-05).asDiagonal();
+    link.start.q = Quaterniond(std::sqrt(0.5), 0, std::sqrt(0.5), 0);
+    link.start.p = link.start.q * Vector3d(0, 0, length * (static_cast<double>(i) + 0.5));
+    scene.problem.bodies.push_back(link);
+    const auto parent = i == 0 ? std::nullopt : std::optional(i - 1);
+    scene.problem.joints.push_back({.name = "joint" + std::to_string(i),
+                                    .parent = parent,
+                                    .child = i,
+                                    .anchor_P = parent ? end : Vector3d::Zero(),
+                                    .anchor_C = -end});
+  }
+  return scene;
+}
+
+/// Scene of sim/scenes/reference/heavy-top.toml, as long as runs from equal starts stay together.
+ReferenceScene heavy_top() {
+  oracle::Body top;
+  top.name = "top";
+  top.m = 15;
+  top.I_B = Vector3d(0.234375, 0.46875, 0.234375).asDiagonal();
+  top.start.p = Vector3d(0, 1, 0);
+  top.start.v = Vector3d(4.61538, 0, 0);
+  top.start.w = Vector3d(0, 150, -4.61538);
+
+  ReferenceScene scene{
+      .name = "heavy-top", .about = "a fast top on a ball joint", .problem = {}, .duration = 0.5};
+  scene.problem.gravity = {0, 0, -9.81};
+  scene.problem.bodies = {top};
+  scene.problem.joints = {{.name = "pivot", .child = 0, .anchor_C = Vector3d(0, -1, 0)}};
   return scene;
 }
 
@@ -78,29 +138,9 @@ ReferenceScene reference_chain() {
           .duration = 0.5};
 }
 
-std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared,
-                                             std::vector<std::string>& skipped) {
-  std::vector<ReferenceScene> scenes{coupling_step(), scene_s1(), torque_free(), reference_s3(),
-                                     reference_chain()};
-  // name, description, duration limit in s, position; longer runs of chains and tops diverge from equal
-  // starts
-  const auto add = [&](const char* name, const char* about, double duration, std::size_t at) {
-    const std::filesystem::path folder = shared / "reference" / name;
-    if (!std::filesystem::exists(folder / "case.json")) {
-      skipped.push_back(std::string(name) + ": its files were not found (set GODOBJECT_SHARED)");
-      return;
-    }
-    const oracle::ReferenceCase loaded = oracle::load_reference_case(folder);
-    scenes.insert(scenes.begin() + static_cast<std::ptrdiff_t>(at),
-                  {.name = name,
-                   .about = about,
-                   .problem = loaded.problem,
-                   .duration = std::min(duration, loaded.duration)});
-  };
-  add("chain-5", "five links on ball joints, the last ten times heavier, from a file", 0.5, scenes.size());
-  add("heavy-top", "a fast top on a ball joint, from a file", 0.5, scenes.size());
-  add("coupling-lissajous", "a very slender body on a moving target, from a file", 100, 1);
-  return scenes;
+std::vector<ReferenceScene> reference_scenes() {
+  return {coupling_step(), coupling_lissajous(), scene_s1(), torque_free(),
+          reference_s3(),  reference_chain(),    chain_5(),  heavy_top()};
 }
 
 }  // namespace godobject::study

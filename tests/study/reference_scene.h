@@ -1,7 +1,6 @@
 // Scenes for error against run time.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,9 +27,7 @@ ReferenceScene scene_s1();
 ReferenceScene reference_s3();
 ReferenceScene reference_chain();
 
-/// Returns every reference scene. Motions from files come from `shared` (the folder with reference/).
-/// skipped: receives scenes whose file is missing, with the reason. Throws for a malformed file.
-std::vector<ReferenceScene> reference_scenes(const std::filesystem::path& shared,
-                                             std::vector<std::string>& skipped);
+/// Returns every reference scene.
+std::vector<ReferenceScene> reference_scenes();
 
 }  // namespace godobject::study

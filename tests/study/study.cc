@@ -31,7 +31,7 @@ class Study {
   }
 
   void error() {
-    const std::vector<ReferenceScene> scenes = reference_scenes(options_.shared, results_.notes);
+    const std::vector<ReferenceScene> scenes = reference_scenes();
     results_.errors = study_error(scenes, options_.quick, counter_, progress_);
     write_csv(options_.out / "error.csv", results_.errors);
     write_error_script(options_.out, results_.errors);
@@ -88,13 +88,10 @@ class Study {
   }
 
   void contacts() {
-    results_.contact_errors =
-        study_contact_errors(contact_cases(options_.shared, results_.notes), options_.quick, progress_);
+    results_.contact_errors = study_contact_errors(contact_cases(), options_.quick, progress_);
     write_csv(options_.out / "contact-error.csv", results_.contact_errors.rows);
-    if (!results_.contact_errors.rows.empty()) {
-      write_contact_error_script(options_.out, results_.contact_errors.rows);
-      figure("contact-error");
-    }
+    write_contact_error_script(options_.out, results_.contact_errors.rows);
+    figure("contact-error");
     const ContactGrid grid = contact_grid(options_.quick);
     results_.contact_stability = study_contact_stability(grid, progress_);
     write_csv(options_.out / "contact-stability.csv", results_.contact_stability);

@@ -26,7 +26,6 @@ struct StudyOptions {
   bool quick = false;            // small grids, well under a minute
   std::filesystem::path out;     // folder of the results; made if absent
   std::filesystem::path report;  // report.md to write; empty: none. Requires all parts.
-  std::filesystem::path shared;  // folder with reference/, may be absent
   // Folder of the probe program and archives; empty: default_probe_directory().
   std::filesystem::path probe_directory;
   std::filesystem::path scene_directory;  // with lego.toml; empty: default_scene_directory()

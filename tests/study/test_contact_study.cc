@@ -9,7 +9,6 @@
 #include "platform/scene/toml.h"
 #include "tests/study/contact/imposed.h"
 #include "tests/study/study.h"
-#include "tests/support/shared_data.h"
 
 namespace godobject::study::test_contact_study {
 namespace {
@@ -78,12 +77,7 @@ TEST(ContactCase, PenetrationAndEnergyAreThoseOfTheSprings) {
 }
 
 TEST(ContactErrorStudy, MeasuresThePressAndTheRestitutionThatIsLost) {
-  const std::filesystem::path shared = test::shared_file("reference");
-  if (shared.empty()) GTEST_SKIP() << "shared/reference is not here";
-  std::vector<std::string> skipped;
-  const ContactErrors errors =
-      study_contact_errors(contact_cases(shared.parent_path(), skipped), true, say_nothing);
-  EXPECT_TRUE(skipped.empty());
+  const ContactErrors errors = study_contact_errors(contact_cases(), true, say_nothing);
   const ContactErrorRow* const press = find(errors.rows, "press", "implicit-euler", 1e-3);
   ASSERT_NE(press, nullptr);
   EXPECT_LT(press->position, 1e-4);
@@ -95,12 +89,6 @@ TEST(ContactErrorStudy, MeasuresThePressAndTheRestitutionThatIsLost) {
   EXPECT_LT(first.restitution.value(), *errors.restitution_reference);
   EXPECT_NEAR(second.restitution.value(), *errors.restitution_reference, 0.02);
   EXPECT_LT(second.flight_error.value(), 0.02);
-}
-
-TEST(ContactCase, SaysWhichReferencesAreNotThere) {
-  std::vector<std::string> skipped;
-  EXPECT_TRUE(contact_cases("/nowhere", skipped).empty());
-  EXPECT_EQ(skipped.size(), 2u);
 }
 
 TEST(ContactStability, GainsNothingAtTheCornersOfTheMap) {

@@ -117,7 +117,8 @@ class UrdfTree {
   double start_of(const UrdfJoint& joint) const {
     if (joint.mimic && log_.ok())
       return joint.mimic->multiplier * start_of(*joint_named(joint.mimic->joint)) + joint.mimic->offset;
-    return joint.limit ? std::clamp(0.0, joint.limit->lower, joint.limit->upper) : 0;
+    // limits in the wrong order have an error of their own
+    return joint.limit ? std::max(joint.limit->lower, std::min(0.0, joint.limit->upper)) : 0;
   }
 
   void check_ends(const UrdfJoint& joint) {

@@ -152,11 +152,14 @@ TEST(FaultInjector, DoesNotAllocate) {
   const RigParams& rig = *device.scene.device->rig;
   for (const FaultVerbText& text : fault_verb_texts()) {
     if (text.place == FaultPlace::tracker) continue;
-    const std::string node = text.place == FaultPlace::bus ? "" : " node=1";
+    const std::string node = text.place == FaultPlace::bus   ? ""
+                             : text.verb == FaultVerb::press ? " node=3 value=1"
+                                                             : " node=1";
     const std::string words = std::string(text.name) + " bus=can0" + node + " duration=0.002";
-    const SimFault fault = *resolve(*parse_fault(words, error), rig).fault;
+    const auto [fault, why_not] = resolve(*parse_fault(words, error), rig);
+    ASSERT_TRUE(fault) << words << ": " << why_not;
     AllocationGuard guard;
-    ASSERT_TRUE(device.link.rig().faults().schedule(fault));
+    ASSERT_TRUE(device.link.rig().faults().schedule(*fault));
     device.cycles(5);
     EXPECT_EQ(guard.calls(), 0) << text.name << ": " << guard.report();
   }

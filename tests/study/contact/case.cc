@@ -4,16 +4,15 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/oracle/case/csv_table.h"
-#include "tests/oracle/case/reference_case.h"
+#include "tests/oracle/scenes.h"
+#include "tests/oracle/target.h"
 
 namespace godobject::study {
 namespace {
 
-namespace fs = std::filesystem;
 using oracle::RigidState;
 
-/// Case of sim/scenes/reference/press.toml; the target is a file.
+/// Case of sim/scenes/reference/press.toml.
 bench::ContactScene press() {
   oracle::Body tool;
   tool.name = "tool";
@@ -21,7 +20,7 @@ bench::ContactScene press() {
   tool.I_B = Vec3(0.000346666666667, 0.000346666666667, 2.66666666667e-05).asDiagonal();
   tool.start.p = Vec3(0, 0, 0.03);
   tool.start.w = Vec3(0, 0.942477796077, 0);
-  tool.coupling = {.k_t = 1000, .g_t = 14, .k_r = 1, .g_r = 0.026066581415};
+  tool.coupling = {.k_t = 1000, .g_t = 14, .k_r = 1, .g_r = 0.026066581415, .target = oracle::press_device()};
 
   bench::ContactScene scene;
   scene.name = "press";
@@ -52,38 +51,18 @@ bench::ContactScene bounce() {
   return scene;
 }
 
-oracle::Solution load_solution(const fs::path& file, const std::string& body) {
-  const oracle::CsvTable table(file);
-  const auto column = [&](const char* name) { return table.column(body + "." + name); };
-  const std::vector<double> x = column("x"), y = column("y"), z = column("z");
-  const std::vector<double> qw = column("qw"), qx = column("qx"), qy = column("qy"), qz = column("qz");
-  const std::vector<double> vx = column("vx"), vy = column("vy"), vz = column("vz");
-  const std::vector<double> wx = column("wx"), wy = column("wy"), wz = column("wz");
-  oracle::Solution solution{.times = table.column("t"), .states = {}};
-  for (std::size_t i = 0; i < solution.times.size(); ++i)
-    solution.states.push_back({{.p = Vec3(x[i], y[i], z[i]),
-                                .q = oracle::Quaterniond(qw[i], qx[i], qy[i], qz[i]).normalized(),
-                                .v = Vec3(vx[i], vy[i], vz[i]),
-                                .w = Vec3(wx[i], wy[i], wz[i])}});
-  return solution;
-}
-
 /// Returns the height above the contact of the ball, m.
 double height(const bench::ContactScene& scene, const RigidState& x) { return x.p.z() - scene.radius; }
 
 }  // namespace
 
-std::vector<ContactCase> contact_cases(const fs::path& shared, std::vector<std::string>& skipped) {
+std::vector<ContactCase> contact_cases() {
   std::vector<ContactCase> cases;
   for (bench::ContactScene scene : {press(), bounce()}) {
-    const fs::path folder = shared / "reference" / scene.name;
-    if (!fs::exists(folder / "reference.csv")) {
-      skipped.push_back(scene.name + ": its reference was not found (set GODOBJECT_SHARED)");
-      continue;
-    }
-    oracle::Body& body = scene.problem.bodies.front();
-    if (body.coupling) body.coupling->target = oracle::load_motion(folder / "motion.csv", body.name);
-    oracle::Solution exact = load_solution(folder / "reference.csv", body.name);
+    oracle::Case problem = scene.problem;
+    for (const Vec3& centre : scene.centres)
+      problem.on_floor.push_back({.p_B = centre, .radius = scene.radius, .k = scene.law.k, .c = scene.law.c});
+    oracle::Solution exact = oracle::solve(problem, oracle::uniform_times(scene.duration, 2e-3));
     cases.push_back({std::move(scene), std::move(exact)});
   }
   return cases;

@@ -1,7 +1,6 @@
 // The reference cases with contacts, press and bounce: spheres on one body and the plane z = 0.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,10 +14,8 @@ struct ContactCase {
   oracle::Solution exact;
 };
 
-/// Returns the cases whose files are in `shared` (the folder with reference/). skipped: receives the others,
-/// with the reason. Throws std::runtime_error for a malformed file.
-std::vector<ContactCase> contact_cases(const std::filesystem::path& shared,
-                                       std::vector<std::string>& skipped);
+/// Returns the cases with the oracle's solutions, 2 ms apart.
+std::vector<ContactCase> contact_cases();
 
 /// Returns the depth of the body's deepest sphere in the plane, m; 0 above it.
 double penetration(const bench::ContactScene& scene, const oracle::RigidState& x);

@@ -38,10 +38,6 @@ void write_orders(std::ostream& out, const std::vector<ContactErrorRow>& rows) {
 }
 
 void write_errors(std::ostream& out, const ContactErrors& errors) {
-  if (errors.rows.empty()) {
-    out << "Error against run time: not available.\n\n";
-    return;
-  }
   write_orders(out, errors.rows);
   write_restitution(out, errors);
   out << "![error of contacts against run time](figures/contact-error.png)\n\n"
