@@ -16,6 +16,12 @@
 
 #include "core/nonblocking.h"
 
+#if defined(__has_feature)
+#if __has_feature(realtime_sanitizer)
+#include <sanitizer/rtsan_interface.h>
+#define GODOBJECT_REALTIME_SANITIZER
+#endif
+#endif
 #if defined(__has_warning)
 #if __has_warning("-Wfunction-effects")
 #pragma clang diagnostic push
@@ -126,6 +132,21 @@ template <class T>
 void resize(std::vector<T>& items, std::size_t n) noexcept GODOBJECT_NONBLOCKING {
   items.resize(n);
 }
+
+/// Scope in a function of the cycle whose calls may wait, since its time is simulated or it runs in another
+/// thread. RealtimeSanitizer then reports none of them.
+class MayWait {
+ public:
+  MayWait(const MayWait&) = delete;
+  MayWait& operator=(const MayWait&) = delete;
+#ifdef GODOBJECT_REALTIME_SANITIZER
+  MayWait() noexcept { __rtsan_disable(); }
+  ~MayWait() { __rtsan_enable(); }
+#else
+  MayWait() noexcept {}
+  ~MayWait() {}
+#endif
+};
 
 /// Calls the step of a user's program, which must not block either.
 template <class Step, class... Arguments>

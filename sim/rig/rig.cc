@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/base/may_wait.h"
 #include "hal/canopen/commissioning_steps.h"
 #include "sim/node/drive.h"
 #include "sim/node/moteus.h"
@@ -214,7 +213,6 @@ void SimRig::set_observer(const BusObserver& observer) noexcept {
     bus->wire.set_observer({.on_frame =
                                 [](void* context, const ReceivedFrame& frame) {
                                   const Bus& b = *static_cast<Bus*>(context);
-                                  const MayWait scope;  // the observer may write to a file
                                   b.rig->observer_.on_frame(b.rig->observer_.context, b.index, frame);
                                 },
                             .context = bus.get()});

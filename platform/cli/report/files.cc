@@ -157,6 +157,7 @@ void RunFiles::start_inputs(const Session& session, const CycleRecord& start) {
     if (fault_log_) fault_log_->add(chunk, patience_);
   });
   EngineState state;
+  state.bytes.resize(engine.snapshot_bytes());
   take_state(session, state);
   inputs_->add(state);
 }

@@ -15,6 +15,7 @@
 #include "platform/cli/report/console.h"
 #include "platform/rig/buses.h"
 #include "platform/rt/cyclic.h"
+#include "platform/rt/loop_calls.h"
 #include "platform/rt/signals.h"
 #include "platform/rt/stop_key.h"
 
@@ -37,6 +38,7 @@ constexpr std::chrono::milliseconds console_patience{500};
 BusObserver observer_into(RunFiles& files) {
   return {.on_frame =
               [](void* context, std::size_t bus, const ReceivedFrame& frame) {
+                const loop::MayWait scope;
                 static_cast<RunFiles*>(context)->add(BusFrame{.bus = bus, .received = frame});
               },
           .context = &files};

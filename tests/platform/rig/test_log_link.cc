@@ -10,6 +10,7 @@
 #include "hal/can/candump.h"
 #include "hal/rig/rig.h"
 #include "sim/rig/link.h"
+#include "tests/support/may_allocate.h"
 #include "tests/support/program.h"
 #include "tests/support/simulated_rig.h"
 
@@ -101,6 +102,7 @@ class LogOfARig : public ProgramTest {
                  std::make_shared<TurningHand>(params.tree.joints.size()), period / 16);
     link.set_observer({.on_frame =
                            [](void* context, std::size_t bus, const ReceivedFrame& received) {
+                             const MayAllocate scope;
                              const auto& to = *static_cast<Writer*>(context);
                              std::array<char, max_candump_line> line{};
                              std::size_t size = 0;

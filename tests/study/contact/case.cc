@@ -62,7 +62,8 @@ std::vector<ContactCase> contact_cases() {
     oracle::Case problem = scene.problem;
     for (const Vec3& centre : scene.centres)
       problem.on_floor.push_back({.p_B = centre, .radius = scene.radius, .k = scene.law.k, .c = scene.law.c});
-    oracle::Solution exact = oracle::solve(problem, oracle::uniform_times(scene.duration, 2e-3));
+    const double interval = scene.problem.bodies.front().coupling ? 10e-3 : 2.5e-3;
+    oracle::Solution exact = oracle::solve(problem, oracle::uniform_times(scene.duration, interval));
     cases.push_back({std::move(scene), std::move(exact)});
   }
   return cases;

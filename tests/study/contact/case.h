@@ -14,7 +14,7 @@ struct ContactCase {
   oracle::Solution exact;
 };
 
-/// Returns the cases with the oracle's solutions, 2 ms apart.
+/// Returns the cases with the oracle's solutions, every 10 ms of press and 2.5 ms of bounce.
 std::vector<ContactCase> contact_cases();
 
 /// Returns the depth of the body's deepest sphere in the plane, m; 0 above it.
