@@ -1,5 +1,6 @@
 #include "tests/oracle/dynamics.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -59,6 +60,11 @@ ScalarVector3 spring_force(const Spring& spring, const Point& a, const Point& b)
   return -(spring.k * (l - spring.l_0) + spring.g * u.dot(v)) * u;
 }
 
+/// Returns the lowest point of a sphere from the body's origin, world axes, m.
+ScalarVector3 lowest_point(const FloorSphere& sphere, const BodyState& body) {
+  return body.q * sphere.p_B.cast<Scalar>() - sphere.radius * ScalarVector3::UnitZ();
+}
+
 /// Returns the wrenches on the bodies, without joints and gyroscopic torques.
 std::vector<Wrench> wrenches_on(const Case& problem, Scalar t, const std::vector<BodyState>& x) {
   std::vector<Wrench> B(x.size());
@@ -82,18 +88,20 @@ std::vector<Wrench> wrenches_on(const Case& problem, Scalar t, const std::vector
     if (spring.a) add_force(a, -f, B[*spring.a]);
   }
   for (const FloorSphere& sphere : problem.on_floor) {
-    const BodyState& body = x[sphere.body];
-    const ScalarVector3 r = body.q * sphere.p_B.cast<Scalar>() - sphere.radius * ScalarVector3::UnitZ();
-    const Scalar d = -(body.p + r).z(), v_z = (body.v + body.w.cross(r)).z();
-    const Scalar f = sphere.k * d - sphere.c * v_z;
-    if (d <= 0 || f <= 0) continue;
-    B[sphere.body].f += f * ScalarVector3::UnitZ();
-    B[sphere.body].tau += r.cross(f * ScalarVector3::UnitZ());
+    const ScalarVector3 f = floor_force(sphere, x[sphere.body]) * ScalarVector3::UnitZ();
+    B[sphere.body].f += f;
+    B[sphere.body].tau += lowest_point(sphere, x[sphere.body]).cross(f);
   }
   return B;
 }
 
 }  // namespace
+
+Scalar floor_force(const FloorSphere& sphere, const BodyState& body) {
+  const ScalarVector3 r = lowest_point(sphere, body);
+  const Scalar d = -(body.p + r).z(), v_z = (body.v + body.w.cross(r)).z();
+  return d > 0 ? std::max(Scalar(0), sphere.k * d - sphere.c * v_z) : Scalar(0);
+}
 
 ScalarVector3 rotation_vector(const ScalarQuaternion& q) {
   const ScalarVector3 n = q.w() < 0 ? ScalarVector3(-q.vec()) : ScalarVector3(q.vec());  // u sin(alpha / 2)

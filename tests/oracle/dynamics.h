@@ -14,6 +14,9 @@ namespace godobject::oracle {
 /// The rotation vector alpha u of q, alpha in [0, pi]; q need not be exactly unit.
 ScalarVector3 rotation_vector(const ScalarQuaternion& q);
 
+/// Returns the force of the floor (22) on a sphere of the body, N; 0 if it does not press.
+Scalar floor_force(const FloorSphere& sphere, const BodyState& body);
+
 /// y' = f(t, y) of all bodies of a case. Joints hold as accelerations, g'' = 0 (index 1), without
 /// stabilisation: their errors g and g' come from the start and the integrator.
 class Dynamics {

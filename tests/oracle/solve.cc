@@ -33,6 +33,45 @@ std::vector<double> stops_of(const Case& problem, std::span<const double> times)
   return stops;
 }
 
+/// True per sphere that presses on the floor.
+std::vector<bool> presses(const Case& problem, const ScalarVector& y) {
+  std::vector<BodyState> x = body_states(y);
+  for (BodyState& body : x) body.q.normalize();
+  std::vector<bool> all;
+  for (const FloorSphere& sphere : problem.on_floor) all.push_back(floor_force(sphere, x[sphere.body]) > 0);
+  return all;
+}
+
+/// Advances y from t to t_end. Steps end where a sphere touches or leaves the floor: the integrator requires
+/// smooth equations, and does not see a jump between its last evaluation and the end of its step.
+void advance(const Case& problem, ExtrapolationIntegrator& integrator, Scalar t, Scalar t_end,
+             ScalarVector& y) {
+  if (problem.on_floor.empty()) return integrator.advance(t, t_end, y);
+  constexpr Scalar longest = 1e-4L, resolution = 1e-15L;  // s
+  ScalarVector y_end;
+  while (t < t_end) {
+    const std::vector<bool> before = presses(problem, y);
+    Scalar end = std::min(t + longest, t_end);
+    integrator.advance(t, end, y_end = y);
+    if (presses(problem, y_end) != before) {
+      while (end - t > resolution) {
+        const Scalar middle = (t + end) / 2;
+        ScalarVector y_middle = y;
+        integrator.advance(t, middle, y_middle);
+        if (presses(problem, y_middle) != before) {
+          end = middle;
+          y_end.swap(y_middle);
+        } else {
+          t = middle;
+          y.swap(y_middle);
+        }
+      }
+    }
+    t = end;
+    y.swap(y_end);
+  }
+}
+
 }  // namespace
 
 Solution solve(const Case& problem, std::span<const double> times, double tolerance) {
@@ -53,7 +92,7 @@ Solution solve(const Case& problem, std::span<const double> times, double tolera
   double t = 0;
   std::size_t next = 0;
   for (const double stop : stops_of(problem, times)) {
-    integrator.advance(t, stop, y);
+    advance(problem, integrator, t, stop, y);
     t = stop;
     normalise(y);
     solution.joint_drift = std::max(dynamics.project(t, y), solution.joint_drift);

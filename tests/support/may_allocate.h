@@ -1,4 +1,4 @@
-// Scope in which a bus that a test plays may allocate, within the cycle that calls it.
+// Scope in which a test's part of a cycle may allocate and wait: a bus that it plays, an observer of frames.
 #pragma once
 
 #if defined(__has_feature)
@@ -9,7 +9,7 @@
 
 namespace godobject::test {
 
-/// RealtimeSanitizer ends a program whose cycle allocates, except in this scope.
+/// RealtimeSanitizer ends a program whose cycle allocates or waits, except in this scope.
 class MayAllocate {
  public:
 #if defined(__has_feature)

@@ -102,8 +102,14 @@ void list_recorded(const RunFileNames& names, Session& session) noexcept {
   if (names.records_inputs()) session.list_inputs();
 }
 
+EngineState state_of(const Session& session) {
+  EngineState state;
+  state.bytes.resize(session.engine().snapshot_bytes());
+  take_state(session, state);
+  return state;
+}
+
 void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_NONBLOCKING {
-  loop::resize(state.bytes, session.engine().snapshot_bytes());
   session.engine().save(state.bytes);
   state.hash = session.engine().state_hash();
 }
@@ -156,10 +162,7 @@ void RunFiles::start_inputs(const Session& session, const CycleRecord& start) {
     if (input_log_) input_log_->add(chunk.bytes, chunk.num_rows, patience_);
     if (fault_log_) fault_log_->add(chunk, patience_);
   });
-  EngineState state;
-  state.bytes.resize(engine.snapshot_bytes());
-  take_state(session, state);
-  inputs_->add(state);
+  inputs_->add(state_of(session));
 }
 
 void RunFiles::add(const CycleRecord& record) {

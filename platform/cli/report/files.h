@@ -74,7 +74,10 @@ struct RunFileNames {
 /// Makes the records of a session list all that its files have. Call it before Session::at_start().
 void list_recorded(const RunFileNames& names, Session& session) noexcept;
 
-/// Copies the state of the session's engine, but for the cycle. Real-time after the first call.
+/// Returns the state of the session's engine, but for the cycle. Allocates.
+EngineState state_of(const Session& session);
+
+/// Copies the state of the session's engine, but for the cycle, into one that state_of() made.
 void take_state(const Session& session, EngineState& state) noexcept GODOBJECT_NONBLOCKING;
 
 class RunFiles {

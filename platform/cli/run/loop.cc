@@ -89,10 +89,8 @@ void keep_faults(RunFiles& files, RunEvents& events) {
 
 /// Returns a ring of states, with one slot of no size unless an input log is written.
 Ring<EngineState> make_state_ring(const Session& session, const RunFiles& files) {
-  EngineState state;
-  if (!files.wants_inputs()) return Ring<EngineState>(1, state);
-  take_state(session, state);
-  return Ring<EngineState>(state_ring, state);
+  if (!files.wants_inputs()) return Ring<EngineState>(1, EngineState{});
+  return Ring<EngineState>(state_ring, state_of(session));
 }
 
 /// Inputs of the rig on their way to the input logs.
@@ -367,7 +365,7 @@ RunResult run_fast(Session& session, const RunPlan& plan, RunFiles& files) {
   const MonotonicClock clock;
   FastProgress progress(console, static_cast<double>(plan.num_cycles) * session.scene().step, plan.quiet);
   CycleRecord record = session.at_start();
-  EngineState state;
+  EngineState state = state_of(session);
   const std::uint64_t state_every = cycles_between_states(session.scene().step);
   do {
     session.start(usual_boot_limit_s);

@@ -158,7 +158,7 @@ class RealtimeCycle {
         out_(out),
         states_(states),
         entry_(entry_of(session)) {
-    if (states_) take_state(session, state_);
+    if (states_) state_ = state_of(session);
   }
 
   /// Runs a period. Returns false after the last.

@@ -102,7 +102,7 @@ class LogOfARig : public ProgramTest {
                  std::make_shared<TurningHand>(params.tree.joints.size()), period / 16);
     link.set_observer({.on_frame =
                            [](void* context, std::size_t bus, const ReceivedFrame& received) {
-                             const MayAllocate scope;
+                             [[maybe_unused]] const MayAllocate scope;
                              const auto& to = *static_cast<Writer*>(context);
                              std::array<char, max_candump_line> line{};
                              std::size_t size = 0;
