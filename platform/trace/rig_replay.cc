@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "platform/rt/loop_calls.h"
 #include "platform/session/passivity.h"
 
 namespace godobject {
@@ -93,6 +94,7 @@ const LinkEvent* ReplayedLink::result(LinkEvent::Kind kind, std::uint8_t bus) no
     return nullptr;
   }
   taken_ = next;
+  const loop::MayWait scope;  // no rig waits for a replay
   events_.pop_front();
   results_ = 0;
   return &taken_;
