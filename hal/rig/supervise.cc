@@ -100,8 +100,9 @@ void Rig::check_slip(DriveOnBus& drive, Nanoseconds now) noexcept {
     raise(RigFault::sensors_disagree, nodes_[drive.node]);
 }
 
-// Compares joints with their ranges. The margin is for ends that give way. Beyond it the zero, the sign or the
-// scale of a sensor is wrong, and forces would act in wrong places. A joint without a range has no bounds.
+// Compares joints with their ranges. The margin is for ends that yield. Beyond it the zero, the sign or
+// the scale of a sensor is wrong, and forces would act in wrong places. A joint without a range has no
+// bounds.
 void Rig::check_ranges(const DeviceSample& sample, Nanoseconds now) noexcept {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < num_joints(); ++i) {

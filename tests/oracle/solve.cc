@@ -42,8 +42,8 @@ std::vector<bool> presses(const Case& problem, const ScalarVector& y) {
   return all;
 }
 
-/// Advances y from t to t_end. Steps end where a sphere touches or leaves the floor: the integrator requires
-/// smooth equations, and does not see a jump between its last evaluation and the end of its step.
+/// Advances y from t to t_end. Steps end where a sphere touches or leaves the floor, since the integrator
+/// requires smooth equations. It does not see a jump between its last evaluation and the end of its step.
 void advance(const Case& problem, ExtrapolationIntegrator& integrator, Scalar t, Scalar t_end,
              ScalarVector& y) {
   if (problem.on_floor.empty()) return integrator.advance(t, t_end, y);

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Bounds of the differences in position and rotation. A free body that tumbles, a chain and a top amplify the
-/// last of 12 digits of the files.
+/// Bounds of the differences in position and rotation. A free body that tumbles, a chain and a top amplify
+/// the last of 12 digits of the files.
 const std::map<std::string, double> bounds{{"coupling-step", 1e-10},
                                            {"coupling-lissajous", 1e-10},
                                            {"torque-free", 2e-8},

@@ -79,7 +79,7 @@ class BackgroundProgram {
   }
   /// Sends a command and returns the line of its answer.
   std::string say(const std::string& command) {
-    [[maybe_unused]] const MayAllocate scope;  // a test may say it within a cycle
+    [[maybe_unused]] const MayAllocate scope;  // within a cycle, too
     tell(command);
     return line();
   }

@@ -113,8 +113,8 @@ inline bool has_bodies(const SceneConfig& scene, const JointConfig& joint) {
   return body_named(scene, joint.child) && (joint.parent == world_name || body_named(scene, joint.parent));
 }
 
-/// True if the bodies of every joint exist. Otherwise an error at the joint names the missing body, and checks
-/// that depend on how bodies are joined are left out.
+/// True if the bodies of every joint exist. Otherwise an error at the joint names the missing body, and
+/// checks of pairs of bodies are left out.
 inline bool joints_have_bodies(const SceneConfig& scene) {
   return std::ranges::all_of(scene.joints,
                              [&](const JointConfig& joint) { return has_bodies(scene, joint); });

@@ -55,8 +55,8 @@ class DeviceBuilder {
   }
 
  private:
-  /// Adds joints that nothing connects to the world, so that their coordinates are known where others name
-  /// them: the name of a missing body is the error, and not all that depends on its joint.
+  /// Adds joints that nothing connects to the world. Their coordinates are then known where others name them,
+  /// and the missing body remains the only error.
   void add_joints_without_place() {
     for (const JointConfig& joint : scene_.joints)
       if (!places_.contains(joint.child)) add(joint, places_[world_name]);
