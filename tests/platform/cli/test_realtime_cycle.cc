@@ -45,8 +45,7 @@ TEST_P(RealtimeCycleOf, AllocatesLocksAndCallsNothing) {
                                       },
                                   .context = &frames});
   const std::atomic<bool> stop{false};
-  EngineState state;
-  take_state(*made.session, state);
+  EngineState state = state_of(*made.session);
   Ring<EngineState> states(1, state);
   const auto cycle = std::make_unique<RealtimeCycle>(*made.session, RunPlan{.num_cycles = num_cycles}, stop,
                                                      cycles, &states);
