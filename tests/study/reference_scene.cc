@@ -1,9 +1,7 @@
 #include "tests/study/reference_scene.h"
 
-#include <cmath>
 #include <memory>
-#include <optional>
-#include <string>
+#include <numbers>
 
 #include "tests/oracle/scenes.h"
 #include "tests/oracle/target.h"
@@ -66,30 +64,16 @@ ReferenceScene torque_free() {
   return scene;
 }
 
-/// Scene of sim/scenes/reference/chain-5.toml, as long as runs from equal starts stay together.
+/// Scene of sim/scenes/reference/chain-5.toml: the links of S5, thinner, released from the horizontal.
 ReferenceScene chain_5() {
-  constexpr double length = 0.1;
-  const Vector3d end(0, 0, length / 2);
-  ReferenceScene scene{.name = "chain-5",
-                       .about = "five links on ball joints, the last ten times heavier",
-                       .problem = {},
-                       .duration = 0.5};
-  scene.problem.gravity = {0, 0, -9.81};
-  for (std::size_t i = 0; i < 5; ++i) {
-    const double m = i == 4 ? 0.5 : 0.05;
-    oracle::Body link;
-    link.name = "link" + std::to_string(i);
-    link.m = m;
-    link.I_B = m * Vector3d(8.41666666667e-04, 8.41666666667e-04, 1.66666666667e-05).asDiagonal();
-    link.start.q = Quaterniond(std::sqrt(0.5), 0, std::sqrt(0.5), 0);
-    link.start.p = link.start.q * Vector3d(0, 0, length * (static_cast<double>(i) + 0.5));
-    scene.problem.bodies.push_back(link);
-    const auto parent = i == 0 ? std::nullopt : std::optional(i - 1);
-    scene.problem.joints.push_back({.name = "joint" + std::to_string(i),
-                                    .parent = parent,
-                                    .child = i,
-                                    .anchor_P = parent ? end : Vector3d::Zero(),
-                                    .anchor_C = -end});
+  ReferenceScene scene = reference_chain();
+  scene.name = "chain-5";
+  scene.about = "five links on ball joints, the last ten times heavier";
+  for (oracle::Body& link : scene.problem.bodies) {
+    link.m = &link == &scene.problem.bodies.back() ? 0.5 : 0.05;
+    link.I_B = link.m * Vector3d(8.41666666667e-04, 8.41666666667e-04, 1.66666666667e-05).asDiagonal();
+    link.start.q = Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitY()));
+    link.start.p = Vector3d(link.start.p.norm(), 0, 0);
   }
   return scene;
 }

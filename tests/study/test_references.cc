@@ -2,12 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <string>
 
-#include "tests/oracle/case/csv_table.h"
 #include "tests/oracle/case/reference_case.h"
 #include "tests/oracle/compare.h"
 #include "tests/study/contact/case.h"
@@ -48,24 +46,6 @@ TEST(References, AreThoseOfTheSharedFiles) {
   EXPECT_EQ(num_compared, bounds.size());
 }
 
-oracle::Solution solution_in(const fs::path& file, const std::string& body) {
-  const oracle::CsvTable table(file);
-  oracle::Solution solution{.times = table.column("t"), .states = {}};
-  solution.states.resize(solution.times.size(), {{}});
-  const auto read = [&](const char* name, auto&& number_of) {
-    const std::vector<double> column = table.column(body + "." + name);
-    for (std::size_t i = 0; i < column.size(); ++i) number_of(solution.states[i].front()) = column[i];
-  };
-  const std::array<const char*, 3> positions{"x", "y", "z"}, vectors{"qx", "qy", "qz"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<Eigen::Index>(i);
-    read(positions[i], [=](oracle::RigidState& x) -> double& { return x.p[axis]; });
-    read(vectors[i], [=](oracle::RigidState& x) -> double& { return x.q.coeffs()[axis]; });
-  }
-  read("qw", [](oracle::RigidState& x) -> double& { return x.q.w(); });
-  return solution;
-}
-
 // Fall by 4 cm, then m z'' = -k z - c z' - m g.
 TEST(References, TheFirstImpactIsThatInClosedForm) {
   const ContactCase bounce = contact_cases().back();
@@ -92,7 +72,7 @@ TEST(References, OfContactsAreThoseOfTheSharedFiles) {
   for (const ContactCase& contact : contact_cases()) {
     const std::string& name = contact.scene.name;
     const oracle::Solution expected =
-        solution_in(folder / name / "reference.csv", contact.scene.problem.bodies.front().name);
+        oracle::load_solution(folder / name / "reference.csv", contact.scene.problem.bodies);
     ASSERT_EQ(contact.exact.times.size(), expected.times.size()) << name;
     for (std::size_t i = 0; i < expected.times.size(); ++i) {
       ASSERT_NEAR(contact.exact.times[i], expected.times[i], 1e-9);

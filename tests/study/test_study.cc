@@ -85,10 +85,11 @@ void expect_sane_errors(const QuickRun& run) {
   EXPECT_EQ(lines_of(run.out("error.csv")).size(), run.results.errors.size() + 1);
   for (const ErrorRow& r : run.results.errors) {
     SCOPED_TRACE(r.scene + " " + r.integrator);
-    if (r.scene == "heavy-top") continue;  // it turns by 0.6 rad in the longest steps
-    EXPECT_TRUE(std::isfinite(r.errors.position) && r.errors.position < 5e-2) << r.errors.position;
-    EXPECT_TRUE(std::isfinite(r.errors.rotation) && r.errors.rotation < 1) << r.errors.rotation;
+    EXPECT_TRUE(std::isfinite(r.errors.position) && std::isfinite(r.errors.rotation));
     EXPECT_GT(r.ns_per_step, 0);
+    if (r.scene == "heavy-top") continue;  // it turns by 0.6 rad in the longest steps
+    EXPECT_LT(r.errors.position, 5e-2);
+    EXPECT_LT(r.errors.rotation, 1);
     EXPECT_GT(r.order_position.value_or(1), 0.7);
   }
 }
@@ -246,14 +247,15 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
 
 /// Returns the lines of a CSV file or of a page without the cells of columns that are times.
 std::vector<std::string> lines_without_times(const fs::path& file) {
-  const bool is_csv = file.extension() == ".csv";
+  const char separator = file.extension() == ".csv" ? ',' : '|';
+  const std::regex time("^ ?[nu]s|time, %");
   std::vector<std::string> lines, head;
   for (const std::string& line : lines_of(file)) {
-    std::vector<std::string> cells = cells_of(line, is_csv ? ',' : '|');
+    const std::vector<std::string> cells = cells_of(line, separator);
     if (head.size() != cells.size() || cells.size() == 1) head = cells;
     std::string rest;
     for (std::size_t i = 0; i < cells.size(); ++i)
-      if (!std::regex_search(head[i], std::regex("^ ?[nu]s|time, %"))) rest += cells[i] + '|';
+      if (!std::regex_search(head[i], time)) rest += cells[i] + '|';
     lines.push_back(rest);
   }
   return lines;

@@ -108,7 +108,7 @@ TEST(Ranges, ACoordinateWithoutAZeroIsNotCompared) {
   EXPECT_FALSE(world.rig.encoder(0).has_zero());
 }
 
-// Two actuators move two joints: the joints have ranges, not the actuators.
+// The joint turns by half the angle of its actuator. The joint has the range.
 TEST(Ranges, AreThoseOfJointsBeyondATransmission) {
   RigParams params = params_with_range();
   params.transmissions = {{.joints = {"yaw"}, .joint_per_actuator = {{0.5}}}};

@@ -110,21 +110,6 @@ std::vector<Quaterniond> attitudes(const CsvTable& table, const std::string& bod
   return result;
 }
 
-Solution load_solution(const std::filesystem::path& file, const std::vector<Body>& bodies) {
-  const CsvTable table(file);
-  Solution solution;
-  solution.times = table.column("t");
-  solution.states.resize(table.num_rows());
-  for (const Body& body : bodies) {
-    const std::vector<Vector3d> p = positions(table, body.name);
-    const std::vector<Quaterniond> q = attitudes(table, body.name);
-    const std::vector<Vector3d> v = vectors(table, body.name + ".vx", body.name + ".vy", body.name + ".vz");
-    const std::vector<Vector3d> w = vectors(table, body.name + ".wx", body.name + ".wy", body.name + ".wz");
-    for (std::size_t i = 0; i < table.num_rows(); ++i) solution.states[i].push_back({p[i], q[i], v[i], w[i]});
-  }
-  return solution;
-}
-
 ReferenceCase read_case(const std::filesystem::path& folder) {
   std::ifstream stream(folder / "case.json");
   if (!stream) throw std::runtime_error((folder / "case.json").string() + ": cannot be read");
@@ -157,6 +142,21 @@ ReferenceCase read_case(const std::filesystem::path& folder) {
 std::shared_ptr<const Target> load_motion(const std::filesystem::path& file, const std::string& body) {
   const CsvTable table(file);
   return std::make_shared<TabulatedTarget>(table.column("t"), positions(table, body), attitudes(table, body));
+}
+
+Solution load_solution(const std::filesystem::path& file, const std::vector<Body>& bodies) {
+  const CsvTable table(file);
+  Solution solution;
+  solution.times = table.column("t");
+  solution.states.resize(table.num_rows());
+  for (const Body& body : bodies) {
+    const std::vector<Vector3d> p = positions(table, body.name);
+    const std::vector<Quaterniond> q = attitudes(table, body.name);
+    const std::vector<Vector3d> v = vectors(table, body.name + ".vx", body.name + ".vy", body.name + ".vz");
+    const std::vector<Vector3d> w = vectors(table, body.name + ".wx", body.name + ".wy", body.name + ".wz");
+    for (std::size_t i = 0; i < table.num_rows(); ++i) solution.states[i].push_back({p[i], q[i], v[i], w[i]});
+  }
+  return solution;
 }
 
 ReferenceCase load_reference_case(const std::filesystem::path& folder) {

@@ -23,6 +23,9 @@ struct ReferenceCase {
 /// cannot solve (contact). A reference must not be compared with another problem.
 ReferenceCase load_reference_case(const std::filesystem::path& folder);
 
+/// Reads the states of these bodies from a file like reference.csv.
+Solution load_solution(const std::filesystem::path& file, const std::vector<Body>& bodies);
+
 /// The motion of one body from the columns t, <body>.x y z qw qx qy qz of a motion file.
 std::shared_ptr<const Target> load_motion(const std::filesystem::path& file, const std::string& body);
 
